@@ -6,6 +6,7 @@ import contextlib
 import difflib
 import os
 import reprlib
+import shlex
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator
@@ -94,6 +95,31 @@ class ModelWarning(UserWarning):
     """Issued once per call when a model leaves out what matters for the body or surface
     it is used on.
     """
+
+
+# of each advice that has been given, by its text, the options of the command line
+_ADVISED: dict[str, dict[str, str | list[str]]] = {}
+
+
+def advise(python: str, **options: str | list[str]) -> str:
+    """Arguments to give, for a sentence: in Python, and as options of the command line,
+    such as "temperature=293.15 (--temperature 20degC)". Who has other words for them
+    finds the options by `advised`.
+    """
+    shell = " ".join(
+        f"--{name.replace('_', '-')} {shlex.quote(value) if value else ''}".strip()
+        for name, values in options.items()
+        for value in ([values] if isinstance(values, str) else values)
+    )
+    said = f"{python} ({shell})"
+    _ADVISED[said] = options
+    return said
+
+
+def advised(message: str) -> dict[str, dict[str, str | list[str]]]:
+    """The advices in a message, in order, with their options."""
+    found = [said for said in _ADVISED if said in message]
+    return {said: _ADVISED[said] for said in sorted(found, key=message.index)}
 
 
 def closest(word: str, valid: Iterable[str]) -> str:

@@ -1,9 +1,12 @@
 """`elastomdr fit`: what it prints and writes, and what it refuses in one line."""
 
+import argparse
+
 import pytest
 
-from elastomdr.cli.fit import _kelvin
+from elastomdr.cli.fit import Fit, add_arguments, content_of
 from elastomdr.cli.main import main
+from elastomdr.cli.schema import decode
 from elastomdr.material.check import check_material
 
 from ..cli.cli_cases import arguments
@@ -57,7 +60,7 @@ def test_command_line(tmp_path, monkeypatch, capsys):
     [
         (["two.csv", "--reference", "20 parsec"], "a temperature"),
         (["tow.csv"], "got 'tow.csv': No such file"),
-        (["two.csv", "--kind", "shearing"], "invalid choice"),
+        (["two.csv", "--kind", "shearing"], "--kind must be one of shear, tensile"),
         (["two.csv", "--terms", "0"], "terms must be a whole number"),
         (["two.csv", "--law", "wolf"], "law must be one of"),
         (
@@ -65,7 +68,7 @@ def test_command_line(tmp_path, monkeypatch, capsys):
             "reference must be within reach of the data, -10 to 60 degC",
         ),
         (["two.csv", "--name", "a/b"], "--name must be"),
-        (["two.csv", "--column", "storage"], "--column must be"),
+        (["two.csv", "--column", "storage"], "--column[0] must be"),
         (["two.csv", "--poisson", "0.9"], "poisson must be"),
         (["two.csv", "--out", "two.csv"], "--out must be a folder"),
         (["nounit.csv"], "(--frequency-unit)"),
@@ -114,5 +117,12 @@ def test_bad_input_is_one_line_and_no_file(
 
 
 def test_temperatures_without_a_unit_are_in_celsius():
-    assert _kelvin("--temperature", "-20,0,20") == [253.15, 273.15, 293.15]
-    assert _kelvin("--reference", "293.15 K") == _kelvin("--reference", "20") == 293.15
+    def asked(*arguments):
+        parser = argparse.ArgumentParser()
+        add_arguments(parser)
+        return decode(Fit, content_of(parser.parse_args(["a.csv", *arguments])))
+
+    kelvin = [253.15, 273.15, 293.15]
+    assert asked("--temperature", "-20,0,20").temperature == pytest.approx(kelvin)
+    assert asked("--reference", "293.15 K").reference == 293.15
+    assert asked("--reference", "20").reference == 293.15

@@ -213,6 +213,6 @@ def test_the_command_line(tmp_path, monkeypatch, capsys):
     )
     assert main(["fit", "ramp.csv", "--ramp", "fast"]) == 2
     assert (
-        "--ramp must be a number with a unit of time (s, ms, min, h), got 'fast'"
+        '--ramp must be a time with its unit, such as "10 s", got "fast"'
         in capsys.readouterr().err
     )

@@ -2,78 +2,25 @@
 its default and an example; and what is typed into it as the value of a scene, and back.
 """
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias
 
 from nicegui import ui
 
+from ..cli import typed
 from ..cli.schema import Content, Key, Table, about, keys_of
 from ..errors import InputError
 from . import words
 
-_SPAN = re.compile(r"(.+?)\s+to\s+(.+?)\s*[,;]\s*(\d+)(?:\s*points?)?", re.IGNORECASE)
-_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
-# The number is taken whole (possessive): "0.3" is no 0 with the unit ".3".
-_UNIT = re.compile(rf"(?>{_NUMBER.pattern})\s*((?:1/)?[^\d\s].*)")
+
+def to_text(value: object) -> str:
+    """A value of a scene file as the page writes it."""
+    return words.with_signs(typed.to_text(value))
 
 
-def to_text(value: Any) -> str:
-    """A value of a scene file as it is typed."""
-    if value is None:
-        return ""
-    if isinstance(value, dict):
-        first, last = str(value["from"]), str(value["to"])
-        same = _UNIT.fullmatch(first), _UNIT.fullmatch(last)
-        if same[0] and same[1] and same[0][3] == same[1][3]:
-            first = first.removesuffix(same[0][3]).rstrip()
-        return words.with_signs(f"{first} to {last}, {value['points']} points")
-    joined = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
-    return words.with_signs(joined)
-
-
-def from_text(key: Key, typed: str | None, unit: str = "") -> Any:
-    """The value of a scene file that a text stands for; None where the key is left out.
-    Numbers without a unit have the field's `unit`, where it has one.
-
-    What is no value of the kind is returned as it is, so that the scene's own message
-    says what is accepted.
-    """
-    typed = words.without_signs((typed or "").strip())
-    if not typed:
-        return None
-    if key.spread and (match := _SPAN.fullmatch(typed)) is not None:
-        first, last = _with_unit([match[1], match[2]], unit)
-        return {"from": first, "to": last, "points": int(match[3])}
-    values: list[Any] = [typed]
-    if key.several:
-        entries = map(str.strip, re.split(r";|,\s+", typed))
-        values = [entry for entry in entries if entry]
-    if key.numeric:
-        values = [_number(entry) for entry in values]
-    elif key.quantity or unit:
-        values = _with_unit(values, unit)
-    return values[0] if len(values) == 1 and not key.listed else values
-
-
-def _number(typed: str) -> Any:
-    if _NUMBER.fullmatch(typed) is None:
-        return typed
-    return int(typed) if re.fullmatch(r"[-+]?\d{1,15}", typed) else float(typed)
-
-
-def _with_unit(parts: list[str], unit: str = "") -> list[str]:
-    """Numbers without a unit take that of the last one, "0, 20, 40 degC", or else that
-    of the field.
-    """
-    match = _UNIT.fullmatch(parts[-1].strip())
-    unit = unit if match is None else match[3]
-    if not unit:
-        return parts
-    return [
-        f"{entry} {unit}" if _NUMBER.fullmatch(entry.strip()) else entry
-        for entry in parts
-    ]
+def from_text(key: Key, entry: str | None, unit: str = "") -> Any:
+    """The value of a scene file that a text on the page stands for."""
+    return typed.from_text(key, words.without_signs(entry or ""), unit)
 
 
 Choices: TypeAlias = Mapping[str, Callable[[], Mapping[str, str] | Sequence[str]]]
@@ -293,7 +240,7 @@ class TableForm:
             widget.props("hide-bottom-space" if not meaning else "")
         self.widgets[name] = widget
 
-        def typed() -> None:
+        def changed() -> None:
             new = self._value(widget, key, path)
             if new == content.get(key.name):
                 return
@@ -305,7 +252,7 @@ class TableForm:
             self._alert.visible = False
             self.changed(name)
 
-        widget.on_value_change(typed)
+        widget.on_value_change(changed)
 
     def _choice(self, name: str, label: str, key: Key, value: Any) -> ui.select:
         """A field with what there is to choose from, one or several."""

@@ -5,7 +5,7 @@ scene files stand in the exported scene only.
 from collections.abc import Iterable
 
 from ..cli.units import SceneQuantity, shown
-from ..errors import InputError
+from ..errors import InputError, advised
 
 # By key, or by table and key where a key means different things. After a bar, what
 # stands below the field, where it is not what the scene's own key says.
@@ -52,6 +52,11 @@ _LABELS = _TABLES | {
     "where nothing is given",
     "vertical": "Vertical shifts b_T",
     "terms": "Terms of the Prony series",
+    "balance": "Storage over loss modulus [-]|how many times more exactly it is met; by "
+    "their scatter where nothing is given",
+    "temperature_error": "Standard error of the temperatures [K]|by the scatter of the "
+    "shift factors, about 0.3, where nothing is given",
+    "citation": "Source of the data|for the material file",
     "material": "Rubber|of the library, or fitted or dropped on this page",
     "other": "Second rubber|where the other body is not rigid",
     "temperature": "Rubber temperature T [°C]|one, or several: 0, 20, 40",
@@ -213,11 +218,12 @@ ELSEWHERE = {
     f"[surface] {key}" for key in ("equivalent_length", "seed", "periods", "samples")
 }
 # as the page spells a unit, and as scene files do
-_SIGNS = {"°C": "degC", "µm": "um", "·": "*", "³": "^3"}
+_SIGNS = {"°C": "degC", "µm": "um", "·": "*", "²": "^2", "³": "^3"}
 _SPELLED = {
     "degC  ": "°C    ",
     "degC": "°C",
     "+-": "±",
+    "m^2": "m²",
     "m^3": "m³",
     **{f"{before}um": f"{before}µm" for before in " [(0123456789"},
     **{f"{a}*{b}": f"{a}·{b}" for a, b in ("as", "Ns", "mK", "³K")},
@@ -260,7 +266,7 @@ def unit(path: tuple[str, ...], quantity: type[SceneQuantity] | None = None) -> 
 
 def _unit_of(entry: str) -> str:
     unit_text = entry[len(_without_unit(entry)) :].strip(" []-")
-    return without_signs(unit_text.replace("mm²", "mm2"))
+    return without_signs(unit_text)
 
 
 def _without_unit(entry: str) -> str:
@@ -316,8 +322,23 @@ def _in_fields(word: str) -> str:
     return word
 
 
+def _options(options: dict[str, str | list[str]]) -> str:
+    """Options of the command line as fields, with what to type into them."""
+    said = []
+    for name, values in options.items():
+        no, _, of = name.partition("no_")
+        if of and not no:
+            said.append(f"{quoted(of)}: no")
+            continue
+        values = [values] if isinstance(values, str) else values
+        said.append(f"{quoted(name)} {', '.join(values)}".strip())
+    return ", ".join(said)
+
+
 def spoken(message: str) -> str:
     """A message without what is said to users of Python and of the command line."""
+    for advice, options in advised(message).items():
+        message = message.replace(advice, _options(options))
     message = message.replace("In a scene, titles", "Titles")
     message = message.replace(" beside the scene", " that was dropped here")
     said: list[str] = []

@@ -1,103 +1,180 @@
 """`elastomdr fit DMA ...`: measured isotherms to a material file, cards, tables and
-figures.
+figures. The options are the keys of one table, which is the form of the page as well.
 """
 
 import argparse
 import re
+import shlex
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
+
+import elastomdr as em
 
 from ..errors import InputError, quiet
 from . import DONE, NOT_CONVERGED
+from .schema import Content, Plain, Several, Table, Text, decode, given, keys_of
+from .typed import from_text, is_number
+from .units import Area, Duration, Length, MolarEnergy, Temperature
 
-_READ = ("kind", "frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
-SIZES = {"area": "area", "length": "length", "ramp": "time"}
-_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.IGNORECASE)
-_LAW = re.compile(r"\s*(WLF|Arrhenius|VFT)\s*\((.*)\)\s*", re.IGNORECASE)
-_LAWS = {
-    "wlf": "WLF(8.9, 101.6, 20degC)",
-    "vft": "VFT(1000, -100degC, 20degC)",
-    "arrhenius": "Arrhenius(80 kJ/mol, 20degC)",
-}
-_FITTED = (
-    "vertical",
-    "terms",
-    "balance",
-    "temperature_error",
-    "law",
-    "poisson",
-    "citation",
+_READ = (
+    "frequency_unit",
+    "modulus_unit",
+    "temperature_unit",
+    "time_unit",
+    "area",
+    "length",
+    "ramp",
 )
-
-
-# metavar and help of the options that take a text
-_OF_DATA = {
-    "reference": (
-        "T",
-        'reference temperature, such as "20degC" (default: the isotherm nearest it)',
-    ),
-    "name": (None, "name of the material and of its files (default: that of the data)"),
-    "frequency-unit": ("UNIT", "Hz or rad/s, where the file does not say"),
-    "modulus-unit": ("UNIT", "Pa, kPa, MPa or GPa, where the file does not say"),
-    "temperature-unit": ("UNIT", "degC or K, where the file does not say"),
-    "time-unit": ("UNIT", "s, ms, min or h, where the file does not say"),
-    "temperature": (
-        "T",
-        'temperature of all points, such as "20degC", or one for each isotherm '
-        'without, such as "-20degC,0degC,20degC"',
-    ),
-    "strain": (
-        "PERCENT",
-        'the strain amplitude to use, such as "0.1%%", where several were measured '
-        "(default: the smallest)",
-    ),
-    "area": (
-        "A",
-        'section of the specimen, for a file of dynamic stiffness, such as "100 mm2"',
-    ),
-    "length": ("L", 'its length, in shear its height, such as "20 mm"'),
-    "ramp": (
-        "R",
-        "duration of the ramp before relaxation; times count from its start, such as "
-        '"1 s"',
-    ),
-    "shift": (
-        "LAW",
-        f"a known shift law: {', '.join(map(repr, _LAWS.values()))}, a file of shift "
-        "factors, or universal (default: the data decide)",
-    ),
+_FITTED = ("terms", "balance", "temperature_error", "law", "poisson", "citation")
+_LAW = re.compile(r"\s*(WLF|Arrhenius|VFT)\s*\((.*)\)\s*", re.IGNORECASE)
+# by name, an example with the units of the constants
+_LAWS = {
+    "wlf": ("WLF(8.9, 101.6, 20degC)", ("", "K")),
+    "vft": ("VFT(1000, -100degC, 20degC)", ("K", "degC")),
+    "arrhenius": ("Arrhenius(80 kJ/mol, 20degC)", ("J/mol",)),
 }
-# type, metavar and help of those that take a number
-_NUMBERS: dict[str, tuple[type, str | None, str]] = {
-    "terms": (int, None, "number of relaxation times (default: the data decide)"),
-    "balance": (
-        float,
-        "FACTOR",
-        "how many times more exactly the storage modulus is met than the loss modulus "
-        "(default: by their scatter, alike where they contradict each other)",
+FileName = Annotated[
+    str,
+    Plain(
+        "letters, digits, dots and dashes",
+        (str,),
+        lambda name: re.fullmatch(r"[\w.-]+", name),
     ),
-    "temperature-error": (
-        float,
-        "K",
-        "standard error of the temperature of an isotherm (default: by the scatter of "
-        "the shift factors, about 0.3)",
+]
+Column = Annotated[
+    str,
+    Plain(
+        "a role and a title or number, such as storage=4",
+        (str,),
+        lambda entry: all(map(str.strip, (*entry.partition("="),))),
     ),
-    "poisson": (
-        float,
-        None,
-        "Poisson's ratio (default: 0.5, with a warning for tensile moduli)",
-    ),
-}
+]
 
 
-def add_arguments(command: argparse.ArgumentParser) -> None:
+class Fit(Table):
+    """How measured isotherms are read and made into a material.
+
+    Keys:
+        data: measured isotherms; several files of one material are joined
+        reference: reference temperature, such as 20degC, by default the isotherm
+            nearest 20 degC
+        name: name of the material and of its files, by default that of the data
+        poisson: Poisson's ratio, by default 0.5, with a warning for tensile moduli
+        kind: what the moduli are, where the file does not say
+        temperature: of all points, such as 20degC, or one for each isotherm, such as
+            -20degC,0degC,20degC, where the file does not say
+        frequency_unit: Hz or rad/s, where the file does not say
+        modulus_unit: Pa, kPa, MPa or GPa, where the file does not say
+        temperature_unit: degC or K, where the file does not say
+        time_unit: s, ms, min or h, where the file does not say
+        column: a column by quantity, its title or number, such as storage=4
+        area: section of the specimen, such as 100 mm2, where the file has stiffness
+        length: length of the specimen, in shear its height, such as 20 mm, where the
+            file has stiffness
+        ramp: duration of the ramp before relaxation, such as 1 s, where times count
+            from its start
+        strain: amplitude to use, such as 0.1 %, where several were measured; by
+            default the smallest
+        storage_only: there is no loss modulus: it is taken from the spectrum
+        shift: a known shift law, such as WLF(8.9, 101.6, 20degC),
+            VFT(1000, -100degC, 20degC) or Arrhenius(80 kJ/mol, 20degC), a file of
+            shift factors, or universal; by default the data decide
+        law: shift law, by default the data decide
+        vertical: with or without vertical shifts; by default the data decide
+        terms: number of relaxation times, by default the data decide
+        balance: how many times more exactly the storage modulus is met than the loss
+            modulus; by default by their scatter, alike where they contradict each other
+        temperature_error: standard error of the temperature of an isotherm [K], by
+            default by the scatter of the shift factors, about 0.3
+        citation: where the data come from, for the material file
+    """
+
+    data: list[str]
+    reference: Temperature | None = None
+    name: FileName | None = None
+    poisson: float | None = None
+    kind: Literal["shear", "tensile"] | None = None
+    temperature: Several[Temperature] | None = None
+    frequency_unit: Text | None = None
+    modulus_unit: Text | None = None
+    temperature_unit: Text | None = None
+    time_unit: Text | None = None
+    column: Several[Column] | None = None
+    area: Area | None = None
+    length: Length | None = None
+    ramp: Duration | None = None
+    strain: Text | None = None
+    storage_only: bool = False
+    shift: Text | None = None
+    law: Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"] | None = None
+    vertical: bool | None = None
+    terms: int | None = None
+    balance: float | None = None
+    temperature_error: float | None = None
+    citation: Text | None = None
+
+    def read(self, folder: Path) -> "em.fit.Dma":
+        """The measurement in the files. Raises `InputError`."""
+        options = given(self, "kind", "temperature", *_READ)
+        if self.temperature is not None and len(self.temperature) == 1:
+            (options["temperature"],) = self.temperature
+        dma = em.read_dma(
+            [folder / name for name in self.data],
+            columns=dict(map(_column, self.column or ())),
+            storage_only=self.storage_only,
+            **options,
+        )
+        return dma if self.strain is None else dma.at_strain(strain_of(self.strain))
+
+    def fitted(
+        self, folder: Path, progress: Callable[[int, int], None] | None = None
+    ) -> "em.fit.MaterialFit":
+        """The material; all warnings are in its summary. Raises `InputError`."""
+        options = given(self, "name", "vertical", *_FITTED)
+        with quiet():
+            dma = self.read(folder)
+            if self.vertical is None:
+                options["vertical"] = vertical_of(self.shift, folder)
+            shift = law_of(self.shift, folder)
+            return em.fit.material(
+                dma, self.reference, shift=shift, progress=progress, **options
+            )
+
+
+def command(content: Content) -> str:
+    """The command that does what the form of the page asks for."""
+    words = ["elastomdr", "fit", *content["data"]]
+    for key, value in content.items():
+        option = f"--{key.replace('_', '-')}"
+        if isinstance(value, bool):
+            no_option = [f"--no-{key}"] if key == "vertical" else []
+            words += [option] if value else no_option
+        elif key == "column" and isinstance(value, list):
+            words += [f"{option}={one}" for one in value]
+        elif key != "data":
+            listed = value if isinstance(value, list) else [value]
+            words.append(f"{option}={','.join(map(str, listed))}")
+    return shlex.join(words)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of this command."""
     # "-20degC" is a temperature, not an option
-    command._negative_number_matcher = re.compile(r"-\.?\d")
-    add = command.add_argument
-    files = "measured isotherms; several files of one material are joined"
-    add("data", metavar="DMA", nargs="*", help=files)
+    parser._negative_number_matcher = re.compile(r"-\.?\d")
+    add = parser.add_argument
+    for name, key in keys_of(Fit).items():
+        option, words = f"--{name.replace('_', '-')}", key.meaning.replace("%", "%%")
+        if name == "data":
+            add(name, metavar="DMA", nargs="*", help=words)
+        elif key.flag:
+            flag = argparse.BooleanOptionalAction if key.optional else "store_true"
+            add(option, action=flag, help=words)
+        else:
+            action = "append" if name == "column" else "store"
+            metavar = "|".join(key.words) or None
+            add(option, action=action, metavar=metavar, help=words)
     add(
         "--shore-a",
         metavar="H",
@@ -115,30 +192,6 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     out = "folder for the files (default: this one)"
     add("--out", metavar="DIR", default=".", help=out)
-    kind = "what the moduli are, where the file does not say"
-    add("--kind", choices=("shear", "tensile"), help=kind)
-    for option, (metavar, words) in _OF_DATA.items():
-        add(f"--{option}", metavar=metavar, help=words)
-    without_loss = "there is no loss modulus: it is taken from the spectrum"
-    add("--storage-only", action="store_true", help=without_loss)
-    add(
-        "--column",
-        metavar="ROLE=TITLE",
-        action="append",
-        default=[],
-        help="a column's title or number, such as storage=4",
-    )
-    add(
-        "--vertical",
-        action=argparse.BooleanOptionalAction,
-        help="with or without vertical shifts (default: the data decide)",
-    )
-    for option, (number, metavar, words) in _NUMBERS.items():
-        add(f"--{option}", type=number, metavar=metavar, help=words)
-    laws = "auto, WLF, Arrhenius, VFT, table or none (default: auto)"
-    add("--law", default="auto", help=laws)
-    source = "where the data come from, for the material file"
-    add("--citation", default="", help=source)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -148,22 +201,21 @@ def run(options: argparse.Namespace) -> int:
     from .compute import output_folder
 
     folder = output_folder(options.out)
-    reference = _kelvin("--reference", options.reference)
-    if options.name is not None and not re.fullmatch(r"[\w.-]+", options.name):
-        raise InputError(
-            f"--name must be letters, digits, dots and dashes, got {options.name!r}."
-        )
-    if isinstance(reference, list):
-        raise InputError(
-            f"--reference must be a single temperature, got {options.reference!r}."
-        )
     if (options.shore_a is None) == (not options.data):
         raise InputError(
             "DMA must be given, one file or more, or --shore-a instead of them."
         )
-    if options.shore_a is not None:
-        return _from_hardness(options, folder)
-    fit = _fitted(options, reference)
+    try:
+        # a hardness has no files
+        asked = decode(Fit, {"data": [""], **content_of(options)})
+        if options.shore_a is not None:
+            return _from_hardness(options, folder)
+        with em.progress("reading and fitting"):
+            fit = asked.fitted(Path())
+    except InputError as error:
+        if error.argument.partition("[")[0] in keys_of(Fit):
+            error.subject = f"--{error.subject.replace('_', '-')}"
+        raise
     folder.mkdir(parents=True, exist_ok=True)
     paths = fit.save(folder)
     print(fit.summary())
@@ -185,36 +237,20 @@ def run(options: argparse.Namespace) -> int:
     return NOT_CONVERGED
 
 
-def _fitted(options: argparse.Namespace, reference: float | None) -> Any:
-    """Reads the files and fits the material; all warnings are in its summary."""
-    import elastomdr as em
-
-    temperature = _kelvin("--temperature", options.temperature)
-    columns = dict(map(_column, options.column))
-    sizes: dict[str, Any] = {
-        key: size_of(key, getattr(options, key), unit) for key, unit in SIZES.items()
-    }
-    with em.progress("reading and fitting"), quiet(em.fit.FitWarning):
-        dma = em.read_dma(
-            options.data,
-            temperature=temperature,
-            columns=columns,
-            storage_only=options.storage_only,
-            **{key: getattr(options, key) for key in _READ},
-            **sizes,
-        )
-        if options.strain is not None:
-            dma = dma.at_strain(strain_of(options.strain))
-        fitted = {key: getattr(options, key) for key in _FITTED}
-        if options.vertical is None:
-            fitted["vertical"] = vertical_of(options.shift)
-        return em.fit.material(
-            dma,
-            reference,
-            name=options.name or "",
-            shift=law_of(options.shift),
-            **fitted,
-        )
+def content_of(options: argparse.Namespace) -> Content:
+    """What is asked for, as a scene file would hold it; temperatures without a unit are
+    in degC, as instruments write them.
+    """
+    content: Content = {}
+    for name, key in keys_of(Fit).items():
+        value = getattr(options, name)
+        if isinstance(value, str):
+            unit = "degC" if key.quantity is Temperature else ""
+            value = value.replace(",", ", ") if key.several else value
+            value = from_text(key, value, unit)
+        if value not in (None, []):
+            content[name] = value
+    return content
 
 
 def _from_hardness(options: argparse.Namespace, folder: Path) -> int:
@@ -236,103 +272,58 @@ def _from_hardness(options: argparse.Namespace, folder: Path) -> int:
     return DONE
 
 
-def _kelvin(name: str, option: str | None) -> Any:
-    """A temperature, or a list of them, in kelvin; numbers without a unit are in degC,
-    as instruments write them.
-    """
-    if option is None:
-        return None
-    from .schema import of_key
-    from .units import Temperature
-
-    with of_key(name):
-        parts = [
-            f"{piece} degC" if _NUMBER.fullmatch(piece.strip()) else piece
-            for piece in option.split(",")
-        ]
-        temperatures = [float(Temperature.read(piece)) for piece in parts]
-    return temperatures if len(temperatures) > 1 else temperatures[0]
-
-
-def vertical_of(option: str | None) -> Any:
+def vertical_of(option: str | None, folder: Path = Path()) -> Any:
     """The vertical factors in the file of a shift law, where it has any."""
     from ..io.point_tables import vertical_factors
 
     if option is None or option.strip() == "universal" or _LAW.fullmatch(option):
         return None
-    return vertical_factors(option)
+    return vertical_factors(folder / option)
 
 
-def law_of(option: str | None) -> Any:
+def law_of(option: str | None, folder: Path = Path()) -> Any:
     """A shift law from its name and constants, or from a file; "universal" as it is."""
-    import elastomdr as em
-
     if option is None or option.strip() == "universal":
         return option and option.strip()
     match = _LAW.fullmatch(option)
     if match is None:
-        return em.read_shifts(option)
-    name, parts = match[1].lower(), [piece.strip() for piece in match[2].split(",")]
-    units = {"wlf": ("", "K"), "vft": ("K", "degC"), "arrhenius": ("J/mol",)}[name]
-    if len(parts) != len(units) + 1:
+        return em.read_shifts(folder / option)
+    laws = {"wlf": em.WLF, "vft": em.VFT, "arrhenius": em.Arrhenius}
+    example, units = _LAWS[match[1].lower()]
+    parts = [piece.strip() for piece in match[2].split(",")]
+    try:
+        constants = [
+            _constant(piece, unit)
+            for piece, unit in zip(parts, (*units, "degC"), strict=True)
+        ]
+    except ValueError as error:  # an `InputError` among them
         raise InputError(
-            f'--shift must be a law such as "{_LAWS[name]}", got {option!r}.'
-        )
-    constants = [
-        _constant(piece, unit, _LAWS[name])
-        for piece, unit in zip(parts, units, strict=False)
-    ]
-    return {"wlf": em.WLF, "vft": em.VFT, "arrhenius": em.Arrhenius}[name](
-        *constants, _kelvin("--shift", parts[-1])
-    )
+            argument="shift", got=option, accepted=f'a law such as "{example}"'
+        ) from error
+    return laws[match[1].lower()](*constants)
 
 
-def _constant(constant: str, unit: str, example: str) -> float:
+def _constant(piece: str, unit: str) -> float:
+    """A constant of a law. Raises `ValueError`."""
     if unit == "degC":
-        return float(_kelvin("--shift", constant))
-    match = re.fullmatch(
-        rf"({_NUMBER.pattern})\s*(k?J/mol|K)?", constant, re.IGNORECASE
-    )
-    known = {"": ("",), "K": ("", "k"), "J/mol": ("j/mol", "kj/mol")}[unit]
-    if match is None or (symbol := (match[4] or "").lower()) not in known:
-        raise InputError(
-            f'--shift must be a law such as "{example}", got {constant!r} for '
-            f"{unit or 'a number'}."
-        )
-    return float(match[1]) * (1000 if symbol == "kj/mol" else 1)
-
-
-def size_of(key: str, option: str | None, kind: str) -> float | None:
-    """A number with its unit in SI."""
-    from ..units.registry import to_si, usual
-
-    if option is None:
-        return None
-    match = re.fullmatch(rf"\s*({_NUMBER.pattern})\s*(\S.*)", option, re.IGNORECASE)
-    si = to_si(match[4], kind) if match else None
-    if match is None or si is None:
-        raise InputError(
-            f"--{key} must be a number with a unit of {kind} ({usual(kind)}), got "
-            f"{option!r}."
-        )
-    return float(match[1]) * si[0]
+        return Temperature.read(f"{piece} degC" if is_number(piece) else piece)
+    if unit == "J/mol":
+        return MolarEnergy.read(piece)
+    return float(piece.removesuffix(unit))
 
 
 def strain_of(option: str) -> float:
     """A strain amplitude [-], given as it is or in per cent."""
-    match = re.fullmatch(r"\s*([\d.]+(?:[eE][-+]?\d+)?)\s*(%?)\s*", option)
-    if match is None or match[1].count(".") > 1:
+    number = option.strip().removesuffix("%").strip()
+    if not is_number(number):
         raise InputError(
-            f'--strain must be an amplitude such as "0.1%" or 0.001, got {option!r}.'
+            argument="strain",
+            got=option,
+            accepted='an amplitude such as "0.1 %" or 0.001',
         )
-    return float(match[1]) / (100 if match[2] else 1)
+    return float(number) / (100 if "%" in option else 1)
 
 
-def _column(option: str) -> tuple[str, Any]:
-    role, equals, title = option.partition("=")
-    if not equals or not role or not title:
-        raise InputError(
-            "--column must be a role and a title or number, such as storage=4, got "
-            f"{option!r}."
-        )
-    return role.strip(), int(title) if title.strip().isdigit() else title
+def _column(option: str) -> tuple[str, str | int]:
+    role, _, title = option.partition("=")
+    return role.strip(), int(title) if title.strip().isdigit() else title.strip()

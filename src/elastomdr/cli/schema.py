@@ -42,7 +42,7 @@ class Plain:
 
     what: str  # in words
     types: tuple[type, ...]
-    fits: Callable[[Any], bool] = lambda entry: True
+    fits: Callable[[Any], object] = lambda entry: True
 
     def accepted(self) -> str:
         """What is accepted, in words."""

@@ -9,7 +9,6 @@ from decimal import Decimal
 from typing import Any, ClassVar, Self
 
 from ..errors import InputError, closest
-from ..units.registry import harmless
 
 _LARGEST = 1e100  # in SI units: products of such numbers stay within float64
 _NUMBER = re.compile(
@@ -30,6 +29,7 @@ USUAL = {
         "cm": "1e-2",
         "km": "1e3",
     },
+    "m^2": {"m^2": "1", "cm^2": "1e-4", "mm^2": "1e-6", "mm2": "1e-6", "cm2": "1e-4"},
     "N": {"N": "1", "mN": "1e-3", "uN": "1e-6", "kN": "1e3", "MN": "1e6"},
     "m/s": {
         "m/s": "1",
@@ -178,6 +178,9 @@ class EquivalentLength(Length):
     @classmethod
     def accepted(cls) -> str:
         return f'{super().accepted()}, or "full contact"'
+
+
+class Area(SceneQuantity, what="an area", unit="m^2", example="100 mm^2"): ...
 
 
 class Force(SceneQuantity, what="a force", unit="N", example="10 N"): ...
@@ -333,7 +336,7 @@ def shown(value: object) -> str:
 
 
 def _by_pint(number: float, unit: str, kind: type[SceneQuantity]) -> float:
-    from ..units.registry import registry
+    from ..units.registry import harmless, registry
 
     units = registry()
     usual = USUAL.get(kind.unit, {})
@@ -344,10 +347,9 @@ def _by_pint(number: float, unit: str, kind: type[SceneQuantity]) -> float:
     # pint lets its tokenizer's errors through, of many types
     except Exception as error:
         known = f" Usual units are {', '.join(usual)}." if usual else ""
-        hint = closest(unit, usual) or known
         raise InputError(
             f'has a unit that is not known, "{unit}"; write it as in '
-            f'"{kind.example}".{hint}'
+            f'"{kind.example}".{closest(unit, usual) or known}'
         ) from error
     wanted = units.parse_units(kind.unit)
     if not _alike(parsed.dimensionality, wanted.dimensionality) or str(

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import advise
 from ..io.data import Dma, describe_list
 from .shifting import LN10, AtReference, Joint
 from .spectrum import (
@@ -78,8 +79,8 @@ def of_shifts(judged: JudgedShifts) -> Iterator[str]:
             "Horizontal and vertical shift cannot be separated at "
             f"{describe_list(celsius[judged.ambiguous], 'degC')}: the isotherms are too "
             "flat or too much alike there. Their log10 a_T rests on the prior for the "
-            "vertical shift; see the intervals, and compare vertical=False "
-            "(--no-vertical)."
+            "vertical shift; see the intervals, and compare "
+            f"{advise('vertical=False', no_vertical='')}."
         )
     if joint.law is None:
         yield from _of_free_shifts(judged)

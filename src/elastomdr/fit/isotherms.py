@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, advise
 from ..io.data import SAME_STRAIN, Dma, in_strain_sweep, strains, untold
 from ..material.shift import AbstractShift
 from .laws import log10_a
@@ -32,6 +32,8 @@ _RATE = 0.01
 # a cell that is left for more than this part of the measurement belongs to another pass
 # when it comes again
 _PASS = 20
+
+_TYPICAL = "WLF(8.86, 101.6, 20degC)"  # law
 
 
 def gathered(dma: Dma) -> tuple[Dma, tuple[str, ...]]:
@@ -163,8 +165,8 @@ def isotherms(
             f"dma must span a range of frequencies (or times), got {rates.min():.4g} "
             f"to {rates.max():.4g} rad/s only: "
             "a sweep of temperature at one frequency needs a shift law, as "
-            "shift=em.WLF(8.86, 101.6, 293.15) (--shift 'WLF(8.86, 101.6, 20degC)'), "
-            "a file of factors, or 'universal' (--shift universal)."
+            f"{advise('shift=em.WLF(8.86, 101.6, 293.15)', shift=_TYPICAL)}, "
+            f"a file of factors, or {advise('universal', shift='universal')}."
         )
     number, mean = group(temperatures, tolerance)
     n = dma.omega.size
@@ -358,12 +360,15 @@ def refuse_exchanged(dma: Dma, law: AbstractShift | None = None) -> None:
             if all(places)
             else ", N the column read as loss, M the one read as storage"
         )
+        way = advise(
+            f"columns={{'storage': {new}, 'loss': {old}}}",
+            column=[f"storage={new}", f"loss={old}"],
+        )
         raise InputError(
             f"storage and loss modulus of {dma.source!r} look exchanged: no passive "
             "material has them as they are named, but one does with the two "
             f"exchanged{columns_read}. Exchange them: "
-            f"columns={{'storage': {new}, 'loss': {old}}} "
-            f"(--column storage={new} --column loss={old}){explanation}."
+            f"{way}{explanation}."
         )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ..checks import significant
-from ..errors import InputError
+from ..errors import InputError, advise
 from ..io.data import Dma
 from ..material.shift import (
     GAS_CONSTANT,
@@ -615,8 +615,8 @@ def _glass_temperature(dma: Dma) -> float:
         raise InputError(
             "shift must be a law with its reference temperature for these data, whose "
             "storage and loss modulus suit the universal law with no T_g: "
-            "em.WLF(17.44, 51.6, T_g) (--shift 'WLF(17.44, 51.6, -50degC)') with T_g "
-            "of the material, got 'universal'."
+            f"{advise('em.WLF(17.44, 51.6, T_g)', shift='WLF(17.44, 51.6, -50degC)')} "
+            "with T_g of the material, got 'universal'."
         )
     near = slice(best - 1, best + 2)
     curve = np.polyfit(tried[near] - tried[best], misfits[near], 2)

@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import __version__
 from ..checks import are_texts, in_si, scalar, significant
-from ..errors import InputError, quiet
+from ..errors import InputError, advise, quiet
 from ..io.data import Dma, FitWarning, strains
 from ..material.library import load_material, material_info, save_material
 from ..material.prony import Prony
@@ -669,7 +669,7 @@ def _misses(fit: MaterialFit) -> Iterator[str]:
         remedy = (
             (
                 f" {fit.law} misses the shift factors by {law.rms:.2g} decades rms; "
-                "--law table keeps them."
+                f"{advise('law table', law='table')} keeps them."
             )
             if law
             else ""

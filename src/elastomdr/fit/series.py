@@ -14,7 +14,7 @@ import numpy as np
 
 from ..arrays import one_thread
 from ..checks import in_si, one_of, positive, scalar, significant
-from ..errors import InputError
+from ..errors import InputError, advise
 from ..io.data import KINDS, lists
 from ..material.prony import Prony
 from ..material.validity import Range, misfit_bands
@@ -267,7 +267,8 @@ def _grid(points: MeasuredPoints) -> np.ndarray:
 
 _INCOMPRESSIBLE = (
     "Poisson's ratio is assumed to be 0.5; tensile moduli become those of shear and "
-    "of contact with it, so give it where it is known, as poisson=0.4 (--poisson 0.4)."
+    "of contact with it, so give it where it is known, as "
+    f"{advise('poisson=0.4', poisson='0.4')}."
 )
 
 

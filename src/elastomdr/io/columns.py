@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import InputError, closest
+from ..errors import InputError, advise, closest
 from ..units.registry import KINDS, is_unit, to_si, usual
 from .sheets import number, read_sheet
 from .tables import MOST_COLUMNS, Head, TitledTable, clean, listed, main_table, splits
@@ -154,8 +154,8 @@ def naming(values: Mapping[str, str]) -> str:
     line.
     """
     python = ", ".join(f"{role!r}: {_quoted(one)}" for role, one in values.items())
-    shell = (f"--column {_quoted(f'{role}={one}')}" for role, one in values.items())
-    return f"columns={{{python}}} ({' '.join(shell)})"
+    options = [f"{role}={one}" for role, one in values.items()]
+    return advise(f"columns={{{python}}}", column=options)
 
 
 def _quoted(text: str) -> str:
@@ -577,11 +577,8 @@ def unit_of(table: TitledTable, column: Column) -> str:
     kind = "frequency" if quantity.kind == "angular frequency" else quantity.kind
     unit = column.unit or table.units.get(kind) or ("-" if kind == "ratio" else "")
     if not unit:
-        option = (
-            f"{quantity.option} (--{quantity.option.replace('_', '-')}) or "
-            if quantity.option
-            else ""
-        )
+        option = quantity.option
+        option = f"{advise(option, **{option: ''})} or " if option else ""
         raise InputError(
             f"{name}: column {place} {column.title!r} has no unit; give "
             f"it, as {option}{ways}, one of {usual(kind)} ..."
@@ -771,11 +768,11 @@ def missing(
             f" (no line above the numbers can be cut at blanks into {table.width} "
             "titles: separate them by commas)"
         )
+    way = advise("columns={'ROLE': N}", column="ROLE=N")
     return (
         f"{name}: {needed}; recognised "
         f"{'is ' + ', '.join(recognised) if recognised else 'is none'} of the columns "
         f"{listed(table.heads)}. Name the others by title or number, as "
-        f"columns={{'ROLE': N}} (--column ROLE=N), with "
-        "'N [UNIT]' where the title has no unit; a number for all rows is given as "
-        "'10 Hz'."
+        f"{way}, with 'N [UNIT]' where the title has no unit; a number for all rows is "
+        "given as '10 Hz'."
     )

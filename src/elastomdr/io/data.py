@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..checks import as_float64, in_kelvin, in_si, one_of, positive, scalar
-from ..errors import InputError
+from ..errors import InputError, advise
 from ..notebook_tables import html_table
 
 if TYPE_CHECKING:
@@ -466,8 +466,8 @@ def of_one_strain(dma: Dma) -> tuple[Dma, tuple[str, ...]]:
         remarks.append(
             "Sweeps at several strain amplitudes are not one sample: that at "
             f"{strains(rest.strain[levels[0]])} is used, that at "
-            f"{' and '.join(others)} left out (dma.at_strain(...), --strain, chooses "
-            "another)."
+            f"{' and '.join(others)} left out; "
+            f"{advise('dma.at_strain(...)', strain='')} chooses another."
         )
         rest = rest.where(levels[0])
     return rest, tuple(remarks)
@@ -549,7 +549,8 @@ def untold(rates: np.ndarray) -> str:
             "own temperature, in a column, or in a line 'T = -20 degC' above its "
             "block."
         )
-    return "give temperature, such as temperature=293.15 (--temperature 20degC)."
+    way = advise("temperature=293.15", temperature="20degC")
+    return f"give temperature, such as {way}."
 
 
 @dataclass(frozen=True, eq=False, repr=False)

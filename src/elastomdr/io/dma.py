@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..checks import in_si, one_of, plain, positive
-from ..errors import InputError, warn
+from ..errors import InputError, advise, warn
 from .columns import (
     Column,
     Understood,
@@ -50,7 +50,12 @@ _FEWEST_HELD = 5  # rows
 _BACK = 0.25  # share by which a compliance falls, or a modulus rises, after its step
 _RINGING = 0.1  # share of rows up to which this is the ringing of an instrument
 _APART = 0.5  # [K], within which two temperatures are one
-_ALONE = "if it was not measured, give storage_only=True (--storage-only)"
+_ALONE = f"if it was not measured, give {advise('storage_only=True', storage_only='')}"
+
+
+_OF_KIND = " or ".join(
+    advise(f"kind={kind!r}", kind=kind) for kind in ("shear", "tensile")
+)
 
 
 class Specimen(NamedTuple):
@@ -370,8 +375,7 @@ def _of_kind(
         return list(columns)
     if kind is None:
         raise InputError(
-            f"{table.name}: the file has moduli of shear and of tension: give "
-            "kind='shear' or 'tensile' (--kind)."
+            f"{table.name}: the file has moduli of shear and of tension: give {_OF_KIND}."
         )
     of_kind = [
         column
@@ -679,7 +683,7 @@ def _not_held(runs: Sequence[str], held: bool, table: TitledTable) -> tuple[str,
         what = "the strain is not held"
         advice = (
             "leave out the rows while it changes, or give the duration of its ramp, as "
-            "ramp=2.0 (--ramp '2 s'), or what was held, as "
+            f"{advise('ramp=2.0', ramp='2 s')}, or what was held, as "
             f"{naming({'strain': '1 %'})}"
         )
     line = table.rows[0].line
@@ -732,7 +736,7 @@ def _scale(name: str, specimen: Specimen) -> float:
         raise InputError(
             f"{name}: the columns hold a stiffness; give the specimen's section and "
             "length (in shear: height), as "
-            "area=1e-4, length=0.02 (--area '100 mm2' --length '20 mm')."
+            f"{advise('area=1e-4, length=0.02', area='100 mm2', length='20 mm')}."
         )
     return specimen.length / specimen.area
 
@@ -802,7 +806,6 @@ def _kind(
     if len(letters) > 1 or not (kind_of_file or kind):
         raise InputError(
             f"{table.name}: whether the moduli are of shear or tension is not in the file; "
-            "give it, as kind='shear' or "
-            "'tensile' (--kind shear or --kind tensile)."
+            f"give it, as {_OF_KIND}."
         )
     return kind_of_file or str(kind)

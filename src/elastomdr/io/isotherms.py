@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..checks import as_float64, in_kelvin
-from ..errors import InputError
+from ..errors import InputError, advise
 from ..units.registry import to_si
 from .columns import named_columns, understand
 from .data import COLDEST, Dma, describe_list, in_strain_sweep, untold
@@ -255,7 +255,7 @@ def _bare(table: TitledTable, count: int) -> list[float]:
             raise InputError(
                 f"{table.name}: line {row.line}, {listed}, may be the temperatures of the "
                 f"{count} isotherms below: give their unit, degC or K, as "
-                "temperature_unit=UNIT (--temperature-unit UNIT), or write it behind "
+                f"{advise('temperature_unit=UNIT', temperature_unit='UNIT')}, or write it behind "
                 "each."
             )
     return []
