@@ -26,12 +26,11 @@ from ..trees import Tree, static
 from .profile import Profile
 from .shapes import (
     AbstractShape,
-    Cone,
     Cylinder,
     FlatPunch,
-    Paraboloid,
-    PowerLaw,
+    PowerShape,
     Sphere,
+    raised,
 )
 
 if TYPE_CHECKING:
@@ -182,20 +181,10 @@ class Disc(Tree):
 
     def _power(self) -> tuple[float | None, Any]:
         """(n, c) of a profile c x^n, or (None, None)."""
-        shape, line = self.shape, self.kind != "layer"
-        match shape:
-            case Paraboloid():
-                return 2.0, 1 / shape.radius if line else 0.5 / shape.radius
-            case Cylinder():
-                return 2.0, 0.5 / shape.radius
-            case Cone():
-                return 1.0, 0.5 * math.pi * shape.slope if line else shape.slope
-            case PowerLaw():
-                return (
-                    shape.exponent,
-                    shape._kappa * shape.coefficient if line else shape.coefficient,
-                )
-        return None, None
+        if not isinstance(self.shape, PowerShape):
+            return None, None
+        n, height, line = self.shape.power
+        return n, height if self.kind == "layer" else line
 
     def _quadrature(self, a: Array) -> tuple[Array, Array]:
         """Nodes and weights on [0, a], shape (..., nodes)."""
@@ -295,17 +284,6 @@ def _root(value: Array, n: float) -> Array:
     """value^(1/n), zero where the value is not positive, with finite derivatives."""
     value = xp.asarray(value)
     return xp.where(value > 0, xp.where(value > 0, value, 1.0) ** (1 / n), 0.0)
-
-
-def raised(x: Array, n: float) -> Array:
-    """x^n with finite derivatives at x = 0 for the whole exponents of the common
-    shapes.
-    """
-    return (
-        x ** int(n)
-        if n == int(n)
-        else xp.where(x > 0, xp.where(x > 0, x, 1.0) ** n, 0.0)
-    )
 
 
 def disc_under(shape: AbstractShape, per_area: bool) -> Disc:

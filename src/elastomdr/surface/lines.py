@@ -20,7 +20,7 @@ from ..checks import Array
 from ..numerics.quadrature import gauss, shares_to_legendre
 from ..trees import Tree, static
 from .profile import Profile
-from .shapes import AbstractShape, Cone, Cylinder, PowerLaw
+from .shapes import AbstractShape, Cylinder, PowerShape
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -201,9 +201,9 @@ def pointed(shape: AbstractShape) -> bool:
     """Whether derivatives of the height do not exist at the apex: those of a cone, of
     powers that are not even, and of profiles given by points, which may be anything.
     """
-    if isinstance(shape, PowerLaw):
-        return shape.exponent % 2 != 0
-    return isinstance(shape, (Cone, Profile))
+    if isinstance(shape, PowerShape):
+        return shape.power.exponent % 2 != 0
+    return isinstance(shape, Profile)
 
 
 @functools.cache

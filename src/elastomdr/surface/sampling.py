@@ -7,7 +7,7 @@ import math
 
 from ..numerics.quadrature import graded
 from .profile import Profile
-from .shapes import AbstractShape, Cone, Cylinder, Paraboloid, PowerLaw
+from .shapes import AbstractShape, PowerShape
 
 _NARROW = 0.3  # how far a power law's panels reach towards its apex
 
@@ -63,8 +63,7 @@ def ladder(
     rules = _along_line(shape, rtol, smallest)
     if not strips:
         return rules
-    power = shape.exponent if isinstance(shape, PowerLaw) else 2
-    if isinstance(shape, Cone) or power % 2:
+    if isinstance(shape, PowerShape) and shape.power.exponent % 2:
         rungs = ((10, 3, 24), (14, 3, 24), (16, 4, 40), (20, 5, 64))
         return tuple(
             Rule(nodes, split=True, fractions=graded(levels), strips=count)
@@ -83,26 +82,15 @@ def ladder(
 
 
 def _along_line(shape: AbstractShape, rtol: float, smallest: float) -> tuple[Rule, ...]:
-    if isinstance(shape, (Paraboloid, Cylinder)):
-        return (Rule(2, exact=True),)
-    if isinstance(shape, Cone):
-        return (Rule(2, split=True, exact=True),)
-    if (
-        isinstance(shape, PowerLaw)
-        and shape.exponent == int(shape.exponent)
-        and shape.exponent <= 10
-    ):
-        return (
-            Rule(
-                max(int(shape.exponent), 2), split=bool(shape.exponent % 2), exact=True
-            ),
-        )
+    power = shape.power.exponent if isinstance(shape, PowerShape) else 0.5
+    if power == int(power) and power <= 10:
+        return (Rule(max(int(power), 2), split=bool(power % 2), exact=True),)
     digits = math.log10(10 / rtol)
-    if isinstance(shape, PowerLaw):
+    if isinstance(shape, PowerShape):
         # Slopes x^(n-1): panels so narrow that few nodes show one, down to where what
         # is left does not count.
-        ratio = max(_NARROW, math.exp(-3 / shape.exponent))
-        per_level = shape.exponent * math.log10(1 / ratio)
+        ratio = max(_NARROW, math.exp(-3 / power))
+        per_level = power * math.log10(1 / ratio)
         return tuple(
             Rule(
                 max(6, math.ceil(1.4 * (digits + more))),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import abc
 import math
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from ..arrays import on_jax, xp
 from ..checks import (
@@ -93,7 +93,43 @@ class AbstractShape(Tree):
         return math.inf
 
 
-class Paraboloid(AbstractShape):
+class Power(NamedTuple):
+    """A power law c x^n."""
+
+    exponent: float  # n
+    height: Array | float  # c of the body, f = c r^n
+    line: Array | float  # c of its MDR profile, g = c |x|^n
+
+
+class PowerShape(AbstractShape):
+    """A body whose height is a power of the radius, and so its MDR profile."""
+
+    @property
+    @abc.abstractmethod
+    def power(self) -> Power:
+        """Exponent and coefficients."""
+
+    def _height(self, r: Array) -> Array:
+        return self.power.height * raised(r, self.power.exponent)
+
+    def _steepness(self, r: Array) -> Array:
+        n, c, _ = self.power
+        return n * c * raised(r, n - 1)
+
+    def _profile(self, x: Array) -> Array:
+        return self.power.line * raised(xp.abs(x), self.power.exponent)
+
+    def _slope(self, x: Array) -> Array:
+        n, _, c = self.power
+        # x itself, where it can be: |x| sign(x) has no derivative at zero
+        return (
+            n
+            * c
+            * (x ** int(n - 1) if n % 2 == 0 else raised(xp.abs(x), n - 1) * xp.sign(x))
+        )
+
+
+class Paraboloid(PowerShape):
     """f = r^2/(2R), g = x^2/R: the usual stand-in for a sphere while the contact is
     small.
     """
@@ -105,20 +141,12 @@ class Paraboloid(AbstractShape):
         fill(self, radius=scalar("radius", radius))
         positive("radius", self.radius)
 
-    def _height(self, r: Array) -> Array:
-        return r**2 / (2 * self.radius)
-
-    def _steepness(self, r: Array) -> Array:
-        return r / self.radius
+    @property
+    def power(self) -> Power:
+        return Power(2.0, 0.5 / self.radius, 1 / self.radius)
 
     def _rise(self, y: Array, x: Array) -> Array:
         return self._height(x)
-
-    def _profile(self, x: Array) -> Array:
-        return x**2 / self.radius
-
-    def _slope(self, x: Array) -> Array:
-        return 2 * x / self.radius
 
     @property
     def rolling_radius(self) -> Array | None:
@@ -163,7 +191,7 @@ class Sphere(AbstractShape):
         return self.radius
 
 
-class Cone(AbstractShape):
+class Cone(PowerShape):
     """f = slope r, g = (pi/2) slope |x|, with slope = tan(theta), theta the angle
     between flank and surface.
     """
@@ -175,23 +203,15 @@ class Cone(AbstractShape):
         fill(self, slope=scalar("slope", slope))
         positive("slope", self.slope)
 
-    def _height(self, r: Array) -> Array:
-        return self.slope * r
-
-    def _steepness(self, r: Array) -> Array:
-        return self.slope * xp.ones_like(r)
+    @property
+    def power(self) -> Power:
+        return Power(1.0, self.slope, 0.5 * math.pi * self.slope)
 
     def _rise(self, y: Array, x: Array) -> Array:
         return self.slope * x**2 / (y + xp.hypot(x, y))
 
-    def _profile(self, x: Array) -> Array:
-        return 0.5 * math.pi * self.slope * xp.abs(x)
 
-    def _slope(self, x: Array) -> Array:
-        return 0.5 * math.pi * self.slope * xp.sign(x)
-
-
-class PowerLaw(AbstractShape):
+class PowerLaw(PowerShape):
     """f = c r^n, g = kappa_n c |x|^n, kappa_n = sqrt(pi) n Gamma(n/2)/(2
     Gamma((n+1)/2)); n > 0, c in m^(1-n).
     """
@@ -219,34 +239,16 @@ class PowerLaw(AbstractShape):
         )
 
     @property
-    def _kappa(self) -> float:
+    def power(self) -> Power:
         n = self.exponent
-        return (
-            math.sqrt(math.pi)
-            * n
-            / 2
-            * math.exp(math.lgamma(n / 2) - math.lgamma((n + 1) / 2))
-        )
-
-    def _height(self, r: Array) -> Array:
-        return self.coefficient * r**self.exponent
-
-    def _steepness(self, r: Array) -> Array:
-        return self.coefficient * self.exponent * _power(r, self.exponent - 1)
+        gammas = math.exp(math.lgamma(n / 2) - math.lgamma((n + 1) / 2))
+        kappa = math.sqrt(math.pi) * n / 2 * gammas
+        return Power(n, self.coefficient, kappa * self.coefficient)
 
     def _rise(self, y: Array, x: Array) -> Array:
         beside = xp.minimum(x / y, 1.0)
         growth = xp.expm1(0.5 * self.exponent * xp.log1p(beside**2))
         return xp.where(x < y, self._height(y) * growth, super()._rise(y, x))
-
-    def _profile(self, x: Array) -> Array:
-        return self._kappa * self.coefficient * _power(xp.abs(x), self.exponent)
-
-    def _slope(self, x: Array) -> Array:
-        n = self.exponent
-        return (
-            self._kappa * n * self.coefficient * _power(xp.abs(x), n - 1) * xp.sign(x)
-        )
 
 
 class FlatPunch(AbstractShape):
@@ -280,7 +282,7 @@ class FlatPunch(AbstractShape):
         return self.radius
 
 
-class Cylinder(AbstractShape):
+class Cylinder(PowerShape):
     """A cylinder or roller of radius R and length L on a layer: f = g = x^2/(2R), with
     x across its axis.
     """
@@ -294,24 +296,16 @@ class Cylinder(AbstractShape):
         positive("radius", self.radius)
         positive("length", self.length)
 
-    def _height(self, r: Array) -> Array:
-        return r**2 / (2 * self.radius)
-
-    def _steepness(self, r: Array) -> Array:
-        return r / self.radius
-
-    def _profile(self, x: Array) -> Array:
-        return x**2 / (2 * self.radius)
-
-    def _slope(self, x: Array) -> Array:
-        return x / self.radius
+    @property
+    def power(self) -> Power:
+        return Power(2.0, 0.5 / self.radius, 0.5 / self.radius)
 
     @property
     def rolling_radius(self) -> Array | None:
         return self.radius
 
 
-def _power(x: Array, exponent: float) -> Array:
+def raised(x: Array, exponent: float) -> Array:
     """x^exponent for x >= 0, with a finite derivative at zero where a search direction
     passes through it.
     """
