@@ -13,7 +13,16 @@ import numpy as np
 from ..errors import InputError, advise, closest
 from ..units.registry import KINDS, is_unit, to_si, usual
 from .sheets import number, read_sheet
-from .tables import MOST_COLUMNS, Head, TitledTable, clean, listed, main_table, splits
+from .tables import (
+    MOST_COLUMNS,
+    Head,
+    TitledTable,
+    clean,
+    listed,
+    main_table,
+    splits,
+    titled_unit,
+)
 
 LOGS = {"log10": 10.0, "ln": np.e}
 _DECADIC = r"log[\s_]?10|log[\s_]?\(10\)|log₁₀|lg"
@@ -278,8 +287,7 @@ def _column_without_role(head: Head, quantity: ColumnKind) -> Column:
     """A column whose title does not say that it holds the quantity, with the unit that
     stands there.
     """
-    units = (unit for _, unit in splits(clean(head.title)))
-    in_title = next((unit for unit in units if to_si(unit, quantity.kind)), "")
+    in_title = titled_unit(head, quantity.kind)[1]
     bracketed = re.search(r"[\[(]([^\[\]()]+)[\])]\s*$", head.title)
     unit = head.below.strip("[]() ") or in_title or (bracketed[1] if bracketed else "")
     return Column(

@@ -321,37 +321,39 @@ def _cells(line: str, separator: str) -> list[str]:
     return [cell.strip() for cell in cells]
 
 
+def run_reader(program: str, path: Path, patience: float, accepted: str) -> bytes:
+    """What a program of this folder prints of a file: what a damaged one makes of it
+    costs a child and not the session. Raises `InputError`.
+    """
+    command = [sys.executable, Path(__file__).with_name(program), path]
+    try:
+        read = subprocess.run(
+            command, capture_output=True, timeout=patience, check=False
+        )
+    except subprocess.TimeoutExpired as error:
+        raise InputError(
+            f"path must be {accepted} that can be read in {patience} s, got "
+            f"{path.name!r}."
+        ) from error
+    if read.returncode != 0:
+        reason = read.stdout.decode(errors="replace") * (read.returncode == 1)
+        raise InputError(
+            f"path must be {accepted} that can be read, got {path.name!r}: "
+            f"{' '.join(reason.split())[:300] or 'it is damaged'}"
+        )
+    return read.stdout
+
+
 def _spreadsheet(path: Path, name: str) -> list[Row]:
     if importlib.util.find_spec("python_calamine") is None:
         raise InputError(
             f"{name}: reading spreadsheets needs python-calamine: pip install "
             "elastomdr[excel]"
         )
-    reader = [
-        sys.executable,
-        str(Path(__file__).with_name("spreadsheet.py")),
-        os.fspath(path),
-    ]
-    try:
-        read = subprocess.run(
-            reader, capture_output=True, timeout=_PATIENCE, check=False
-        )
-    except subprocess.TimeoutExpired as error:
-        raise InputError(
-            f"path must be a spreadsheet that can be read in {_PATIENCE} s, got "
-            f"{name!r}."
-        ) from error
-    if read.returncode != 0:
-        reason = (
-            read.stdout.decode(errors="replace").strip() if read.returncode == 1 else ""
-        )
-        raise InputError(
-            f"path must be a spreadsheet that can be read, got {name!r} "
-            f"({reason or 'it is damaged'})."
-        )
+    printed = run_reader("spreadsheet.py", path, _PATIENCE, "a spreadsheet")
     rows: list[Row] = []
     # line numbers are those of the sheet
-    for title, sheet in json.loads(read.stdout).items():
+    for title, sheet in json.loads(printed).items():
         rows += [
             Row(1, [title]),
             *(

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import os
 import re
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,7 +22,17 @@ from ..surface.topography import MeasuredSpectrum, from_spectrum
 from ..units.registry import is_level, to_si
 from .columns import logarithm
 from .sheets import read_sheet
-from .tables import Head, TitledTable, clean, listed, main_table, splits
+from .tables import (
+    Head,
+    TitledTable,
+    clean,
+    listed,
+    main_table,
+    named_heads,
+    refuse_ragged,
+    splits,
+    titled_unit,
+)
 
 if TYPE_CHECKING:
     from .._types import Convention
@@ -46,7 +57,7 @@ def read_spectrum(
     wave_number: str | None = None,
     q_unit: str | None = None,
     c_unit: str | None = None,
-    columns: tuple[int, int] | None = None,
+    columns: Sequence[int | str] | None = None,
     longest: float | None = None,
     shortest: float | None = None,
 ) -> MeasuredSpectrum:
@@ -63,7 +74,7 @@ def read_spectrum(
             the title does not say.
         q_unit: unit of the first column where its title has none, or contradicts it.
         c_unit: unit of C where its title has none.
-        columns: the two columns by number from 1, where there are more.
+        columns: the two columns by number from 1 or by title, where there are more.
         longest: longest wavelength to keep [m].
         shortest: shortest wavelength to keep [m].
 
@@ -87,6 +98,7 @@ def read_spectrum(
             f"path must be a table of wave numbers and a spectrum, got {name!r} "
             "without a row of two numbers."
         )
+    refuse_ragged(name, table)
     first, second = _columns(table, columns, name)
     q = _wave_numbers(table, first, wave_number, q_unit, name)
     c = _densities(table, second, convention, c_unit, name)
@@ -110,7 +122,7 @@ def _densities(
 ) -> np.ndarray:
     """C [m^4 or m^3]. Raises `InputError` for a unit that the convention excludes."""
     wanted = "m^4" if convention.startswith("2d") else "m^3"
-    unit_of_title = _unit(head, "m^4", "m^3")[1]
+    unit_of_title = titled_unit(head, "m^4", "m^3")[1]
     unit = _given(name, head, unit_of_title, c_unit, "c_unit", "m^4", "m^3")
     si = to_si(unit, wanted)
     if si is None:
@@ -146,7 +158,7 @@ def _unit_and_meaning(
     """The unit of the first column, and what its numbers are, from title, unit or user.
     Raises `InputError` where they contradict each other, or leave it open.
     """
-    title, unit_of_title = _unit(head, "wave number", "length")
+    title, unit_of_title = titled_unit(head, "wave number", "length")
     bare = _bare(title)
     by_title = next(
         (meaning for meaning, form in _COUNTED.items() if re.fullmatch(form, bare)),
@@ -205,27 +217,6 @@ def _contradiction(bare: str, by_title: str | None, counts: str) -> bool:
     )
 
 
-def _unit(head: Head, *kinds: str) -> tuple[str, str]:
-    """The title of a column without its unit, and the unit; empty where there is none
-    of these kinds.
-    """
-    title = clean(head.title)
-    below = head.below.strip("[]() ")
-    ways = (
-        [(title, below)]
-        if below
-        else [way for way in splits(title) if not way[0].isdigit()]
-    )
-    return next(
-        (
-            (name, unit)
-            for name, unit in ways
-            if any(to_si(unit, kind) for kind in kinds)
-        ),
-        (title, ""),
-    )
-
-
 def _bare(title: str) -> str:
     """A title in one spelling, without blanks, brackets and signs of multiplication."""
     lower = title.lower()
@@ -241,7 +232,7 @@ def _bare(title: str) -> str:
 
 
 def _given(
-    name: str, head: Head, in_title: str, user: Any, key: str, *kinds: str
+    name: str, head: Head, in_title: str, user: str | None, key: str, *kinds: str
 ) -> str:
     """The unit of a column, from its title or else from the user, who does not overrule
     it.
@@ -262,7 +253,9 @@ def _given(
     )
 
 
-def _columns(table: TitledTable, columns: Any, name: str) -> tuple[Head, Head]:
+def _columns(
+    table: TitledTable, columns: Sequence[int | str] | None, name: str
+) -> tuple[Head, Head]:
     count = len(table.heads)
     if columns is None and count != 2:
         raise InputError(
@@ -270,16 +263,11 @@ def _columns(table: TitledTable, columns: Any, name: str) -> tuple[Head, Head]:
             "are the wave number and C, as "
             "columns = [N, M]."
         )
-    columns = [1, 2] if columns is None else columns
-    whole = isinstance(columns, (tuple, list)) and all(
-        type(i) is int and 1 <= i <= count for i in columns
-    )
-    if not whole or len(columns) != 2:
-        raise InputError(
-            f"columns must be two numbers from 1 to {count}, got {columns!r}."
-        )
-    first, second = (table.heads[i - 1] for i in columns)
-    for head in (first, second):
+    heads = table.heads if columns is None else named_heads(columns, table, "two ")
+    if len(heads) != 2:
+        raise InputError(argument="columns", accepted="two", got=columns)
+    first, second = heads
+    for head in heads:
         if any(is_level(unit) for _, unit in [("", head.below), *splits(head.title)]):
             raise InputError(
                 f"path: {name!r} has levels in dB in column {head.place + 1}, "
@@ -309,12 +297,6 @@ def _rows(
     """Which rows hold two numbers. Raises `InputError` for what no spectrum holds, with
     line and value.
     """
-    for row in table.rows:
-        if len(row.cells) != len(table.heads):
-            raise InputError(
-                f"path: {name!r} has {len(row.cells)} cells in line {row.line}, "
-                f"{len(table.heads)} elsewhere."
-            )
     used = np.isfinite(q) & np.isfinite(c) & (q != 0)
     for head, quantity, values in zip(heads, ("wave number", "C"), (q, c), strict=True):
         wrong = np.flatnonzero(used & ~(values > 0))
@@ -341,7 +323,7 @@ def _rows(
     return used
 
 
-def _wave(key: str, wave: Any) -> float:
+def _wave(key: str, wave: float) -> float:
     value = float(plain(key, wave))
     positive(key, value)
     return value

@@ -11,8 +11,6 @@ import io
 import itertools
 import os
 import reprlib
-import subprocess
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -25,8 +23,8 @@ from ..files import read_bytes
 from ..surface.topography import MeasuredSurface, Scan, surface
 from ..units.registry import to_si, usual
 from .data import FitWarning
-from .sheets import read_sheet
-from .tables import Head, clean, listed, main_table, splits
+from .sheets import read_sheet, run_reader
+from .tables import Head, main_table, named_heads, refuse_ragged, titled_unit
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -181,12 +179,6 @@ class _Layout(NamedTuple):
     units: Sequence[str | None]  # one for all, or one for each
     columns: list[int | str] | None
 
-    def chosen(self, heads: Sequence[Head]) -> list[Head]:
-        """The columns that hold lengths: those named, or all."""
-        if self.columns is None:
-            return list(heads)
-        return [_column(name, heads, self.columns) for name in self.columns]
-
     def unit(self, place: int, count: int) -> str | None:
         """The unit given for one of `count` columns."""
         if len(self.units) not in (1, count):
@@ -195,16 +187,6 @@ class _Layout(NamedTuple):
                 f"{len(self.units)}."
             )
         return self.units[place if len(self.units) > 1 else 0]
-
-
-def _column(name: int | str, heads: Sequence[Head], columns: list[int | str]) -> Head:
-    for head in heads:
-        if name in (head.place + 1, head.title.strip()) and name is not True:
-            return head
-    raise InputError(
-        f"columns must be numbers from 1 to {len(heads)} or titles of {listed(heads)}, "
-        f"got {columns!r:.200}."
-    )
 
 
 def _scans(source: Any, pixel_size: Any, layout: _Layout) -> list[Scan]:
@@ -287,7 +269,9 @@ def _from_text(path: Path, pixel_size: Any, layout: _Layout) -> list[Scan]:
         table = None
         if not os.path.isfile(path):  # False also of what is no name
             raise
-    heads = [] if table is None else layout.chosen(table.heads)
+    heads = [] if table is None else table.heads
+    if table is not None and layout.columns is not None:
+        heads = named_heads(layout.columns, table)
     if table is None or (pixel_size is None and len(heads) not in (2, 3)):
         titled = table is not None and any(head.title for head in table.heads)
         if _can_read_instruments() and not titled:
@@ -303,12 +287,7 @@ def _from_text(path: Path, pixel_size: Any, layout: _Layout) -> list[Scan]:
             f"height), got {got}; columns=[N, M] selects some, and a matrix of "
             "heights needs pixel_size."
         )
-    for row in table.rows:
-        if len(row.cells) != len(table.heads):
-            raise InputError(
-                f"path: {path.name!r} has {len(row.cells)} cells in line {row.line}, "
-                f"{len(table.heads)} in line {table.rows[0].line}."
-            )
+    refuse_ragged(path.name, table)
     data = np.stack(
         [
             table.column(head.place)
@@ -336,8 +315,16 @@ def _from_instrument(path: Path, pixel_size: Any, layout: _Layout) -> Scan:
             "read with SurfaceTopography, which is not installed: pip install "
             "elastomdr[instruments]."
         )
-    x, y, height, sized, unit_of_file = _read_instrument(path)
-    given = unit_of_file or layout.unit(0, 1)
+    try:
+        read_bytes(path)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"path must be a file that can be read, got {path.name!r}: {error}."
+        ) from error
+    printed = run_reader("instrument.py", path, _PATIENCE, "a file of an instrument")
+    with np.load(io.BytesIO(printed)) as read:
+        x, y, height, unit, sized = _Instrument(**read)
+    given = str(unit) or layout.unit(0, 1)
     if given is None:
         raise InputError(f"path: {path.name!r} says nothing of its unit; give unit=.")
     metres = _length(given, path.name)
@@ -357,43 +344,14 @@ def _from_instrument(path: Path, pixel_size: Any, layout: _Layout) -> Scan:
     return _even(height, pixel_size, f"{path.name!r}, which has none")
 
 
-def _read_instrument(
-    path: Path,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool, str]:
-    """x, y, heights, whether the file says the size, and its unit, by a program of its
-    own. Raises `InputError`.
-    """
-    try:
-        read_bytes(path)
-        reader = Path(__file__).with_name("instrument.py")
-        reader_run = subprocess.run(
-            [sys.executable, reader, path],
-            capture_output=True,
-            timeout=_PATIENCE,
-            check=False,
-        )
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"path must be a file that can be read, got {path.name!r}: {error}."
-        ) from error
-    except subprocess.TimeoutExpired as error:
-        raise InputError(
-            f"path: {path.name!r} was not read within {_PATIENCE} s."
-        ) from error
-    if reader_run.returncode != 0:
-        why = " ".join(reader_run.stdout.decode(errors="replace").split())[:300]
-        raise InputError(
-            f"path must be a file that SurfaceTopography reads, got {path.name!r}: "
-            f"{why or 'the reader gave up'}"
-        )
-    with np.load(io.BytesIO(reader_run.stdout)) as read:
-        return (
-            read["x"],
-            read["y"],
-            read["height"],
-            bool(read["sized"]),
-            str(read["unit"]),
-        )
+class _Instrument(NamedTuple):
+    """What `instrument.py` prints."""
+
+    x: np.ndarray
+    y: np.ndarray  # empty of a profile
+    height: np.ndarray
+    unit: np.ndarray
+    sized: np.ndarray  # whether the file says the size, or x and y count points
 
 
 def _profiles(x: np.ndarray, height: np.ndarray) -> list[Scan]:
@@ -509,16 +467,7 @@ def _grid(data: np.ndarray) -> Scan:
 
 def _metres(head: Head, unit: str | None, name: str) -> float:
     """The length of one unit of a column [m]."""
-    below = head.below.strip("[]() ")
-    ways = (
-        [below]
-        if below
-        else [unit_in_title for _, unit_in_title in splits(clean(head.title))]
-    )
-    given = next(
-        (unit_in_title for unit_in_title in ways if to_si(unit_in_title, "length")),
-        unit,
-    )
+    given = titled_unit(head, "length")[1] or unit
     if given is None:
         raise InputError(
             f"path: {name!r} has no unit of length in column {head.place + 1} "
@@ -590,15 +539,11 @@ def _floor(height: np.ndarray) -> list[str]:
         _FLOOR * height.size, _OFTEN * often[1:].max()
     ):
         return []
-    low = height == levels[0]
-    axes = range(height.ndim)
-    beside = np.stack(
-        [_shifted(height, axis, i)[low] for axis in axes for i in (-1, 1)]
-    )
-    above = beside[beside > levels[0]] - levels[0]
-    if not above.size or not np.median(above) > max(
-        _usual_difference(height, axis) for axis in axes
-    ):
+    from scipy.ndimage import binary_dilation
+
+    beside = height[binary_dilation(height == levels[0]) & (height > levels[0])]
+    usual = max(_usual_difference(height, axis) for axis in range(height.ndim))
+    if not beside.size or not np.median(beside) - levels[0] > usual:
         return []
     return [
         f"the lowest height, {levels[0]:.6g} m, is there {often[0]} times: {_REMOVE}"
@@ -680,32 +625,25 @@ def _outstanding(height: np.ndarray, axis: int) -> np.ndarray:
     """How far each point is above (or below) what is within three points on either side
     of it, by the nearer side.
     """
-    sides = [_reach(height, axis, side) for side in (-1, 1)]
-    above = np.fmin(*(height - lowest for lowest, _ in sides))
-    below = np.fmin(*(highest - height for _, highest in sides))
-    return np.nan_to_num(np.fmax(above, below), nan=0.0)
+    return np.nan_to_num(np.fmax(_above(height, axis), _above(-height, axis)))
 
 
-def _reach(height: np.ndarray, axis: int, side: int) -> tuple[np.ndarray, np.ndarray]:
-    """The lowest and the highest height within three points on one side; NaN where
-    there is none.
+def _above(height: np.ndarray, axis: int) -> np.ndarray:
+    """How far each point is above the lowest of three on either side, by the nearer
+    side; NaN where there is none.
     """
-    lowest = highest = np.full(height.shape, np.nan)
-    for distance in range(1, _SPIKE_WIDTH + 1):
-        neighbour = _shifted(height, axis, side * distance)
-        lowest, highest = np.fmin(lowest, neighbour), np.fmax(highest, neighbour)
-    return lowest, highest
+    from scipy.ndimage import minimum_filter
 
-
-def _shifted(height: np.ndarray, axis: int, steps: int) -> np.ndarray:
-    """The heights so many steps further along an axis; NaN beyond its end."""
-    moved = np.full_like(height, np.nan)
-    source, target = np.moveaxis(height, axis, 0), np.moveaxis(moved, axis, 0)
-    if steps > 0:
-        target[:-steps] = source[steps:]
-    else:
-        target[-steps:] = source[:steps]
-    return moved
+    known = np.where(np.isnan(height), np.inf, height)
+    behind = np.arange(2 * _SPIKE_WIDTH + 1) > _SPIKE_WIDTH
+    sides = []
+    for side in (behind, behind[::-1]):
+        footprint = np.expand_dims(side, [i for i in range(height.ndim) if i != axis])
+        lowest = minimum_filter(
+            known, footprint=footprint, mode="constant", cval=np.inf
+        )
+        sides.append(height - np.where(np.isinf(lowest), np.nan, lowest))
+    return np.fmin(*sides)
 
 
 def _usual_difference(height: np.ndarray, axis: int) -> float:

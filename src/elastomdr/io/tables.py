@@ -10,6 +10,7 @@ temperatures elsewhere has a function that finds them.
 import contextlib
 import math
 import re
+import reprlib
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..units.registry import is_unit
+from ..units.registry import is_unit, to_si
 from .sheets import Row, Sheet, number, seconds, with_points
 
 # begins a line that programs which want numbers pass over
@@ -176,6 +177,53 @@ def clean(title: str) -> str:
     for mark in ("\u2032", "\u2019", "\u02b9", "`", "\u00b4"):
         bare = bare.replace(mark, "'")
     return re.sub(r"\s+", " ", re.sub('[″“”"]', "''", bare))
+
+
+def titled_unit(head: Head, *kinds: str) -> tuple[str, str]:
+    """The title of a column without its unit, and the unit, from the title or from the
+    row below; empty where none is of these kinds.
+    """
+    title, below = clean(head.title), head.below.strip("[]() ")
+    ways = [(title, below)] if below else splits(title)
+    return next(
+        (
+            (name, unit)
+            for name, unit in ways
+            if not name.isdigit() and any(to_si(unit, kind) for kind in kinds)
+        ),
+        (title, ""),
+    )
+
+
+def named_heads(
+    columns: Sequence[int | str], table: TitledTable, count: str = ""
+) -> list[Head]:
+    """The columns that a user names by number from 1 or by title; `count` says how many
+    there must be. Raises `InputError`.
+    """
+    known = {
+        name: head
+        for head in reversed(table.heads)
+        for name in (head.title.strip(), head.place + 1)
+    }
+    if not isinstance(columns, (list, tuple)) or not all(
+        type(one) in (int, str) and one in known for one in columns
+    ):
+        raise InputError(
+            f"columns must be {count}numbers from 1 to {len(table.heads)} or titles of "
+            f"{listed(table.heads)}, got {reprlib.repr(columns)}."
+        )
+    return [known[one] for one in columns]
+
+
+def refuse_ragged(name: str, table: TitledTable) -> None:
+    """Raises `InputError` for a row with more or fewer cells than there are titles."""
+    for row in table.rows:
+        if len(row.cells) != len(table.heads):
+            raise InputError(
+                f"path: {name!r} has {len(row.cells)} cells in line {row.line}, "
+                f"{len(table.heads)} elsewhere."
+            )
 
 
 def listed(heads: Sequence[Head]) -> str:
