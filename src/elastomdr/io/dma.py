@@ -163,7 +163,7 @@ def read_dma(
 class _Options(NamedTuple):
     """What a user says of files."""
 
-    kind: str | None
+    kind: Kind | None
     columns: Mapping[str, Any] | None
     units: dict[str, str]  # by kind
     specimen: Specimen
@@ -402,7 +402,7 @@ def _measurement(
     chosen, needed = _chosen(table, columns, options)
     table = table._replace(fixed={**table.fixed, **columns.constants})
     kind = _kind(table, chosen, options.kind, layout)
-    response, rest = "", ()
+    response, rest = "relaxation", ()
     if needed[0] == "time":
         beside = {one.role: one for one in reversed(columns.all)} | chosen
         table, response, rest = _while_held(table, beside, needed[1], options)
@@ -424,21 +424,26 @@ def _measurement(
     columns_taken = taken(table, chosen, written)
     if "temperature" in table.fixed:
         columns_taken += "; temperature from the text"
-    common: dict[str, Any] = {
-        "kind": kind,
-        "units": written,
-        "warnings": (
+    none = np.zeros(0)
+    blank = Dma(
+        none,
+        none,
+        none,
+        none,
+        kind,
+        units=written,
+        warnings=(
             *rest,
             *left_out(name, bad, "bad_rows and in the master curve's table"),
         ),
-        "bad_rows": tuple(bad),
-        "source": name,
-        "shifted": layout.shifted,
-        "columns": (columns_taken,),
-    }
+        bad_rows=tuple(bad),
+        source=name,
+        shifted=layout.shifted,
+        columns=(columns_taken,),
+    )
     if needed[0] == "time":
-        return _over_time(name, values, response, options.specimen, common)
-    return _over_frequency(name, values, needed[1:-2], options.specimen, common)
+        return _over_time(blank, values, response, options.specimen)
+    return _over_frequency(blank, values, needed[1:-2], options.specimen)
 
 
 def _chosen(
@@ -467,60 +472,52 @@ def _chosen(
 
 
 def _over_frequency(
-    name: str,
-    values: dict[str, np.ndarray],
-    pair: tuple[str, ...],
+    blank: Dma,
+    values: Mapping[str, np.ndarray],
+    pair: Sequence[str],
     specimen: Specimen,
-    common: dict[str, Any],
 ) -> Dma:
     """Storage and loss modulus from a pair of columns; with one column the storage
-    modulus alone.
+    modulus alone. `blank` is the measurement without its numbers.
     """
     rate, temperature = values["frequency"], values["temperature"]
     if len(pair) == 1:
         message = (
-            f"{name}: there is no loss modulus: the fit takes it from the spectrum, "
-            "with a wide band."
+            f"{blank.source}: there is no loss modulus: the fit takes it from the "
+            "spectrum, with a wide band."
         )
-        common["warnings"] = (*common["warnings"], message)
-        return _timed(
-            1 / rate, values["storage"], temperature, response="storage", **common
+        return replace(
+            blank,
+            time=1 / rate,
+            relaxation=values["storage"],
+            time_temperature=temperature,
+            response="storage",
+            warnings=(*blank.warnings, message),
         )
     first, second = values[pair[0]], values[pair[1]]
     if pair[0].startswith("stiffness"):
-        scale = _scale(name, specimen)
+        scale = _scale(blank.source, specimen)
         first = first * scale
         second = second * scale if pair[1].startswith("stiffness") else second
-    moduli = _moduli(first, second, pair, rate)
-    return Dma(temperature, rate, *moduli, strain=values["strain"], **common)
-
-
-def _timed(
-    time: np.ndarray, modulus: np.ndarray, temperature: np.ndarray, **common: Any
-) -> Dma:
-    """A measurement over time alone."""
-    none = np.zeros(0)
-    return Dma(
-        none,
-        none,
-        none,
-        none,
-        time=time,
-        relaxation=modulus,
-        time_temperature=temperature,
-        **common,
+    storage, loss = _moduli(first, second, pair, rate)
+    return replace(
+        blank,
+        temperature=temperature,
+        omega=rate,
+        storage=storage,
+        loss=loss,
+        strain=values["strain"],
     )
 
 
 def _over_time(
-    name: str,
-    values: dict[str, np.ndarray],
+    blank: Dma,
+    values: Mapping[str, np.ndarray],
     response: str,
     specimen: Specimen,
-    common: dict[str, Any],
 ) -> Dma:
-    """Relaxation or creep."""
-    ramp = specimen.ramp or 0.0
+    """Relaxation or creep. `blank` is the measurement without its numbers."""
+    ramp, name = specimen.ramp or 0.0, blank.source
     if "stress" in values:
         modulus = values["stress"] / values["strain"]
     else:
@@ -534,19 +531,17 @@ def _over_time(
             f"{name}: no point is later than the ramp of {ramp:g} s; times count from "
             "its start."
         )
-    if not good.all():
-        message = (
-            f"{name}: {int((~good).sum())} points within the ramp of {ramp:g} s left "
-            "out."
-        )
-        common["warnings"] = (*common["warnings"], message)
-    return _timed(
-        time[good],
-        modulus[good],
-        temperature[good],
+    message = (
+        f"{name}: {int((~good).sum())} points within the ramp of {ramp:g} s left out."
+    )
+    return replace(
+        blank,
+        time=time[good],
+        relaxation=modulus[good],
+        time_temperature=temperature[good],
         response=response,
         ramp=ramp,
-        **common,
+        warnings=blank.warnings if good.all() else (*blank.warnings, message),
     )
 
 
@@ -753,7 +748,7 @@ def _is_strain(table: TitledTable, column: Column) -> bool:
 
 
 def _moduli(
-    first: np.ndarray, second: np.ndarray, pair: tuple[str, ...], omega: np.ndarray
+    first: np.ndarray, second: np.ndarray, pair: Sequence[str], omega: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Storage and loss modulus from two columns in SI units: G* = |G*| e^(i delta) =
     1/J* = i omega eta*.
@@ -787,25 +782,27 @@ def _unit_in_words(column: Column, units: Mapping[str, str]) -> str:
 def _kind(
     table: TitledTable,
     chosen: Mapping[str, Column],
-    kind: str | None,
+    kind: Kind | None,
     layout: Format,
-) -> str:
+) -> Kind:
     letters = {column.letter for column in chosen.values()} - {""}
     if any(
         re.search("torque|drehmoment", head.title, re.IGNORECASE)
         for head in table.heads
     ):
         letters.add("G")  # torsion is shear
-    kind_of_file = {"G": "shear", "E": "tensile"}.get(
-        "".join(letters), layout.kind if not letters else ""
-    )
+    kinds: dict[str, Kind] = {"G": "shear", "E": "tensile"}
+    kind_of_file = kinds.get("".join(letters)) if letters else layout.kind
     if kind_of_file and kind and kind_of_file != kind:
         raise InputError(
-            f"kind must be {kind_of_file!r}, as the columns of {table.name!r} say, got {kind!r}."
+            argument="kind",
+            got=kind,
+            accepted=f"{kind_of_file!r}, as the columns of {table.name!r} say",
         )
-    if len(letters) > 1 or not (kind_of_file or kind):
+    known = kind_of_file or kind
+    if len(letters) > 1 or known is None:
         raise InputError(
-            f"{table.name}: whether the moduli are of shear or tension is not in the file; "
-            f"give it, as {_OF_KIND}."
+            f"{table.name}: whether the moduli are of shear or tension is not in the "
+            f"file; give it, as {_OF_KIND}."
         )
-    return kind_of_file or str(kind)
+    return known

@@ -15,7 +15,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -429,7 +429,7 @@ class Format:
     signature: str
     tables: Callable[[Sheet], list[TitledTable]]
     # "shear" or "tensile", where the format says it and the titles do not
-    kind: str = ""
+    kind: Literal["shear", "tensile"] | None = None
     shifted: bool = False  # whether files of it are master curves
 
     def recognises(self, sheet: Sheet) -> bool:
