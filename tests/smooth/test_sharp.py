@@ -212,7 +212,7 @@ def test_shorter_steps_of_an_average_solve_only_what_is_new(monkeypatch):
     solved, solve = [], sweep_of_points._solve
 
     def counted(*scene):
-        solved.extend(zip(scene[4].tolist(), scene[5].tolist(), strict=True))
+        solved.extend(zip(scene[2].tolist(), scene[3].tolist(), strict=True))
         return solve(*scene)
 
     monkeypatch.setattr(sweep_of_points, "_solve", counted)

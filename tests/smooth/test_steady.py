@@ -427,7 +427,7 @@ def test_a_long_sweep_reads_depth_and_edges_from_its_curve(shape, monkeypatch):
     solved, solve = [], sweep_of_points._solve
 
     def counted(*scene):
-        solved.append(scene[5].size)
+        solved.append(scene[3].size)
         return solve(*scene)
 
     law = em.Foundation(4e6, [36e6], [1e-3])

@@ -34,6 +34,7 @@ from ..checks import (
     numpy_unless_traced,
     plain,
     positive_arrays,
+    require,
     significant,
 )
 from ..element.law import Foundation, as_foundation
@@ -297,10 +298,8 @@ def _highest_temperature(
             )
         hottest = foundation.range.temperature[1]
     highest = plain("hottest", hottest)
-    if not is_traced(ambient) and not (np.asarray(ambient) < highest).all():
-        raise InputError(
-            f"ambient must be below hottest, {highest:g} K, got {brief(ambient, 'K')}."
-        )
+    accepted = f"below hottest, {highest:g} K"
+    require("ambient", ambient, accepted, lambda x: x < highest)
     return highest
 
 
@@ -472,7 +471,7 @@ def _bracket(
     cools = xp.concatenate(
         [xp.zeros_like(cools[:1]), cools[1:-1], xp.ones_like(cools[:1])]
     )
-    index = np.argmax(cools, axis=0)[None] if on_numpy() else argmax(cools)[None]
+    index = argmax(cools)[None]
     below = xp.take_along_axis(temperature, index - 1, axis=0)[0]
     return below, xp.take_along_axis(temperature, index, axis=0)[0], others
 

@@ -18,11 +18,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ..arrays import is_traced, numpy_unless_traced, stop_gradient, xp
+from ..arrays import numpy_unless_traced, stop_gradient, xp
 from ..checks import (
     Array,
     as_float64,
     ascending,
+    certain,
     not_negative,
     positive,
     scalar,
@@ -315,7 +316,7 @@ def _checked_curve(velocity: ArrayLike | None, force: ArrayLike) -> tuple[Array,
             f"force must have one value for each of the {v.size} velocities, got "
             f"shape {friction.shape}."
         )
-    if not is_traced(friction) and np.isinf(friction).any():
+    if certain(lambda x: np.isinf(x).any(), friction):
         raise InputError(
             "force must be finite, or NaN where it is not known, got "
             f"{friction[np.isinf(friction)][0]:g}."

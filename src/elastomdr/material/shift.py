@@ -89,7 +89,7 @@ class AbstractShift(_TemperatureLaw):
         """Shift factor a_T at temperatures [K], any shape."""
         # close above the pole: infinite, for the caller to judge
         with np.errstate(over="ignore"):
-            return 10.0 ** self.log10_a(temperature)
+            return 10.0 ** self._log10_a(self._checked(temperature))
 
     @in_float64
     def activation_energy(self, temperature: ArrayLike) -> Array:

@@ -46,16 +46,16 @@ def even_cubics(
     """Cubics on even intervals, coefficients from the third power down, at `place`, in
     intervals from the lower end of the first; `left` as `interval_of` gives it.
     """
-    xp = namespace(place)
+    xp = np if type(place) is np.ndarray else namespace(place)
     s = place - left
     # each from an array of one dimension: an eighth of the time of indexing rows
-    cube, square, slope, value = [xp.take(c, left) for c in cubics]
+    cube, square, slope, value = map(xp.take, cubics, (left, left, left, left))
     return ((cube * s + square) * s + slope) * s + value
 
 
 def interval_of(place: Array, count: int) -> Array:
     """The interval, of `count`, that a place is in; the outer ones go on beyond."""
-    xp = namespace(place)
+    xp = np if type(place) is np.ndarray else namespace(place)
     return xp.clip(xp.floor(place).astype(int), 0, count - 1)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ..arrays import one_thread, xp
 from ..call.model_choice import of_smooth
 from ..call.problem import SteadyScene, check_rtol, steady_scene
-from ..checks import Array, is_traced, require, warn_unless
+from ..checks import Array, certain, require, warn_unless
 from ..element.law import surface_foundation
 from ..element.layer import Layer
 from ..errors import InputError
@@ -40,7 +40,7 @@ from .layer_line import (
     line_between,
     slide_on_layer,
 )
-from .problem import LayerPlan, OnLayer, SmoothCall, Solved, packed, too_deep
+from .problem import LayerPlan, OnLayer, SmoothCall, Solved, on_layer_packed, too_deep
 from .softening import LINEAR
 
 AVERAGED = (
@@ -148,8 +148,7 @@ def ball_on_layer(call: SmoothCall) -> OnLayer:
     solution = Solved(
         mu, error, bound, force, mean.depth, line.leading, line.trailing, good
     )
-    steady = packed(points, solution, material, shape, scene.plan)
-    return OnLayer(steady, points.full(points.temperature), scene.plan)
+    return on_layer_packed(points, solution, material, shape, scene.plan)
 
 
 def _set_up(call: SmoothCall) -> _Scene:
@@ -240,15 +239,13 @@ def _check_covers(material: Layer) -> None:
         if _is_table(cover):
             continue
         law: Any = cover.normal()
-        if is_traced(law):
-            continue
-        if float(law.viscosity) > 0:
+        if certain(lambda x: x > 0, law.viscosity):
             raise InputError(
                 "material must have no parallel dashpot on a layer under a ball or a "
                 f"cone, got viscosity {float(law.viscosity):.4g} Pa s: its pressure at "
                 "the edge is of another kind. Give a branch with a short time."
             )
-        if not float(law.equilibrium) > 0:
+        if certain(lambda x: x <= 0, law.equilibrium):
             raise InputError(
                 "material must be a solid on a layer in sliding, got equilibrium "
                 "modulus 0."

@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import one_thread, stop_gradient, xp
 from ..call.model_choice import of_smooth
 from ..call.problem import SteadyScene, check_rtol, steady_scene
-from ..checks import Array, is_traced, known, require, warn_unless
+from ..checks import Array, certain, is_traced, known, require, warn_unless
 from ..element.law import (
     TabulatedFoundation,
     normal_operator,
@@ -45,7 +45,15 @@ from .cylinder_galerkin import (
     pull,
     solve_at,
 )
-from .problem import LayerPlan, OnLayer, SmoothCall, Solved, nearly, packed, too_deep
+from .problem import (
+    LayerPlan,
+    OnLayer,
+    SmoothCall,
+    Solved,
+    nearly,
+    on_layer_packed,
+    too_deep,
+)
 from .softening import LINEAR
 
 ON_LAYER = "cylinder on a layer, plane strain (exact but for the ends of the cylinder)"
@@ -135,8 +143,7 @@ def cylinder_on_layer(call: SmoothCall) -> OnLayer:
         -contacts.trailing,
         contacts.good,
     )
-    steady = packed(points, solution, scene.body, shape, scene.plan)
-    return OnLayer(steady, points.full(points.temperature), scene.plan)
+    return on_layer_packed(points, solution, scene.body, shape, scene.plan)
 
 
 def _set_up(call: SmoothCall) -> _Scene:
@@ -232,7 +239,7 @@ def _covers(body: Body, reduced: Array) -> tuple[tuple[Cover, ...], float]:
         chain, off = to_chain(body)
         return (Cover(chain),), off
     law = body.law()
-    if not is_traced(law.equilibrium) and float(law.equilibrium) == 0:
+    if certain(lambda x: x == 0, law.equilibrium):
         raise InputError(
             "material must have an equilibrium modulus under a cylinder on a "
             "half-space, got a liquid: in plane strain it sinks without end. Give "
@@ -260,7 +267,7 @@ def _solid(shear: Prony, layer: Layer, reduced: Array) -> Prony:
     """A liquid with so small an equilibrium modulus that it flows like one as long as
     it matters.
     """
-    if not is_traced(shear.equilibrium) and float(shear.equilibrium) > 0:
+    if certain(lambda x: x > 0, shear.equilibrium):
         return shear
     flow = shear.viscosity + xp.sum(xp.asarray(shear.moduli) * xp.asarray(shear.times))
     little = flow * xp.min(reduced) / (_FLOWING * layer.thickness)
@@ -288,11 +295,9 @@ def _branches(carriers: Carriers) -> int:
 
 def _begins_with_dashpot(carriers: Carriers) -> bool:
     """Whether none of them gives way at once; False where that cannot be seen."""
-    if is_traced(carriers):
-        return False
     if isinstance(carriers, tuple):
-        return all(float(cover.chain.instantaneous) == 0 for cover in carriers)
-    return all(float(x.viscosity) > 0 for x in _materials(carriers))
+        return all(certain(lambda x: x == 0, x.chain.instantaneous) for x in carriers)
+    return all(certain(lambda x: x > 0, x.viscosity) for x in _materials(carriers))
 
 
 # Under a transformation of JAX: functions of what all points share, (carriers, radius),
@@ -566,7 +571,7 @@ def _ladder(ratio: float) -> float:
 
 def _not_too_deep(layer: Layer, points: SteadyScene) -> None:
     """Refuses a dent as deep as the layer is thick. Raises `InputError`."""
-    if points.name == "depth" and not is_traced(layer, points.value):
+    if points.name == "depth" and not points.traced:
         thick = float(layer.whole)
         require(
             "depth",
@@ -587,7 +592,7 @@ def _say(
         why = " ".join(filter(None, reasons))
         warn_unless(contacts.good, "points", f" to rtol={rtol:g}", why)
     half = 0.5 * (contacts.leading - contacts.trailing)
-    if is_traced(shape) or not contacts.good.any():
+    if not contacts.good.any():
         return
     widest, length = float(half[contacts.good].max()), float(shape.length)
     if length < _ENDS * widest:

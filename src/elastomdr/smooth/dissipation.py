@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import xp
 from ..call.problem import Asked
 from ..call.several_materials import over_materials
-from ..checks import Array, is_traced, nan_unless, numpy_unless_traced, warn_unless
+from ..checks import Array, nan_unless, numpy_unless_traced, possible, warn_unless
 from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..results.doubts import carried
@@ -112,7 +112,7 @@ def _shares(scene: SmoothScene) -> Dissipation:
     dashpot, branches, work, good = _forces(
         scene, xp.ravel(solved.normal_force) / scene.vertical
     )
-    with_dashpot = is_traced(scene.law.viscosity) or bool(scene.law.viscosity > 0)
+    with_dashpot = possible(lambda x: x > 0, scene.law.viscosity)
     forces = xp.concatenate([dashpot[None], branches]) if with_dashpot else branches
     total = xp.sum(forces, axis=0)
     missing = abs(total / work - 1)
@@ -123,7 +123,7 @@ def _shares(scene: SmoothScene) -> Dissipation:
     share = nan_unless(good[..., None], share)
     times = xp.asarray(scene.law.times)
     times = xp.concatenate([xp.zeros(1), times]) if with_dashpot else times
-    factor = (scene.reduced / scene.velocity).reshape(scene.shape)[..., None]
+    factor = (scene.points.reduced / scene.points.velocity)[..., None]
 
     def spread(field: Array) -> Any:
         return xp.broadcast_to(field[..., None], share.shape)

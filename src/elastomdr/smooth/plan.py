@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from ..checks import is_traced
+from ..checks import certain
 from ..material.relaxation import Relaxation
 from ..material.validity import SLOWEST, Range
 from ..surface.direction import directions, shared_curve_size
@@ -80,9 +80,7 @@ def make_plan(
     """
     control, points, rtol = asked.control, asked.points, asked.rtol
     marched = isinstance(lines.shape, Profile) and not lines.shape.convex
-    elastic = (
-        not is_traced(law) and not np.any(law.moduli) and float(law.viscosity) == 0
-    )
+    elastic = certain(lambda m, v: v == 0 and not np.any(m), law.moduli, law.viscosity)
     averaged = asked.averaged and not elastic
     inner = TRACED * rtol if value is None else rtol
     bends = averaged and _bends(lines.shape)

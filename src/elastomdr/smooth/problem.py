@@ -18,7 +18,7 @@ from ..call.problem import (
     hint_at_metres,
     steady_scene,
 )
-from ..checks import Array, is_traced, nan_unless, require, warn_unless
+from ..checks import Array, nan_unless, require, warn_unless
 from ..element.law import Foundation, as_foundation
 from ..element.layer import Body
 from ..errors import InputError
@@ -33,7 +33,7 @@ from ..trees import replaced
 from .passage import Control
 from .plan import Plan, PlanAsked, make_plan
 from .softening import check_softening, run_softened, softened_words
-from .solve import SolvedPoints, run
+from .solve import run
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -75,14 +75,29 @@ class SmoothScene(NamedTuple):
     lines: AbstractLines
     control: Control
     value: Float[Array, " points"]  # load over b_T [N] or depth [m]
-    # b_T, by which forces are larger than those of `law`
-    vertical: Float[Array, " points"]
-    velocity: Float[Array, " points"]  # as given [m/s]
-    reduced: Float[Array, " points"]  # velocity times a_T [m/s]
-    temperature: Any  # broadcast to `shape`, or None
-    shape: tuple[int, ...]  # of the result's fields
+    points: SteadyScene
     plan: Plan
     inputs: tuple[tuple[str, str], ...]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of the result's fields."""
+        return self.points.shape
+
+    @property
+    def reduced(self) -> Float[Array, " points"]:
+        """Velocity times a_T [m/s]."""
+        return self.points.reduced.reshape(-1)
+
+    @property
+    def vertical(self) -> Float[Array, " points"]:
+        """b_T, by which forces are larger than those of `law`."""
+        return self.points.vertical.reshape(-1)
+
+    @property
+    def temperature(self) -> Array | None:
+        """In the shape of the result's fields."""
+        return self.points.full(self.points.temperature)
 
 
 class Steady(NamedTuple):
@@ -135,8 +150,26 @@ class OnLayer(NamedTuple):
     plan: LayerPlan
 
 
+def on_layer_packed(
+    points: SteadyScene,
+    solved: Solved,
+    body: Body,
+    shape: AbstractShape,
+    plan: LayerPlan,
+) -> OnLayer:
+    """What is made of a body on a layer."""
+    name = describe(shape).replace(" on a layer", "")
+    inputs = points.inputs(("shape", name), *plan.covers)
+    inputs.append(("relative tolerance", f"{plan.rtol:g}"))
+    steady = packed(points, solved, body, tuple(inputs), ())
+    # the contact is wider than that of a half-space at this depth
+    deep = doubt_depth(body, shape, shape._profile(steady.contact.leading))
+    steady = steady._replace(marks=(*steady.marks, *deep))
+    return OnLayer(steady, points.full(points.temperature), plan)
+
+
 class Solved(NamedTuple):
-    """What is found on a layer, flat, at the reference temperature."""
+    """What is found, flat, at the reference temperature."""
 
     mu: Array
     error: Array
@@ -152,35 +185,40 @@ def packed(
     points: SteadyScene,
     solved: Solved,
     body: Body,
-    shape: AbstractShape,
-    plan: LayerPlan,
+    inputs: tuple[tuple[str, str], ...],
+    marks: tuple[Doubt, ...],
 ) -> Steady:
-    """Fields in the shape of the points, NaN where one failed; forces times b_T."""
-
-    def shaped(field: Array) -> Any:
-        return nan_unless(solved.good, field).reshape(points.shape)
-
-    force = solved.force * xp.asarray(points.vertical).reshape(-1)
-    contact = Contact(shaped(solved.leading), shaped(solved.trailing))
-    size = 0.5 * (contact.leading + contact.trailing)
+    """Fields in the shape of the points, NaN where one failed; forces times b_T. `marks`
+    come after those of the material.
+    """
+    shown = _shaped(solved, xp.asarray(points.vertical).reshape(-1), points.shape)
+    contact = Contact(shown.leading, shown.trailing)
+    size, reduced = (
+        0.5 * (contact.leading + contact.trailing),
+        points.full(points.reduced),
+    )
     temperature = points.full(points.temperature)
-    beyond = steady_beyond(body.range, points.full(points.reduced), size, temperature)
-    name = describe(shape).replace(" on a layer", "")
-    inputs = points.inputs(("shape", name), *plan.covers)
-    inputs.append(("relative tolerance", f"{plan.rtol:g}"))
     return Steady(
         velocity=points.full(points.velocity),
-        mu=shaped(solved.mu),
-        error=shaped(solved.error),
-        model_error=shaped(solved.model_error),
-        normal_force=shaped(force),
-        friction_force=shaped(solved.mu * force),
-        depth=shaped(solved.depth),
+        mu=shown.mu,
+        error=shown.error,
+        model_error=shown.model_error,
+        normal_force=shown.force,
+        friction_force=shown.mu * shown.force,
+        depth=shown.depth,
         contact=contact,
-        converged=solved.good.reshape(points.shape),
-        marks=(*beyond, *doubt_depth(body, shape, shape._profile(contact.leading))),
-        inputs=tuple(inputs),
+        converged=shown.good,
+        marks=(*steady_beyond(body.range, reduced, size, temperature), *marks),
+        inputs=inputs,
     )
+
+
+@compiled("shape")
+def _shaped(solved: Solved, vertical: Array, shape: tuple[int, ...]) -> Solved:
+    """One program where JAX traces."""
+    shown = solved._replace(force=solved.force * vertical)
+    fields = [nan_unless(solved.good, x).reshape(shape) for x in shown[:-1]]
+    return Solved(*fields, good=solved.good.reshape(shape))
 
 
 def set_up(call: SmoothCall, softens: bool = True) -> SmoothScene:
@@ -198,11 +236,7 @@ def set_up(call: SmoothCall, softens: bool = True) -> SmoothScene:
     check_rtol(rtol)
     points = steady_scene(foundation, lines, call.asked)
     control: Control = "load" if points.name == "load" else "depth"
-    law, temperatures, vertical = (
-        foundation.law(),
-        points.temperature,
-        points.vertical.reshape(-1),
-    )
+    law, temperatures = foundation.law(), points.temperature
     value, reduced = points.at_reference(), points.reduced.reshape(-1)
     if not points.traced:
         _check_size(lines, control, value)
@@ -237,18 +271,7 @@ def set_up(call: SmoothCall, softens: bool = True) -> SmoothScene:
     inputs = [*points.inputs(("shape", body)), ("relative tolerance", f"{rtol:g}")]
     inputs += [("softening", "left out: moduli of small strain")] if small else []
     return SmoothScene(
-        foundation,
-        law,
-        lines,
-        control,
-        value,
-        vertical,
-        points.full(points.velocity).reshape(-1),
-        reduced,
-        points.full(temperatures),
-        points.shape,
-        plan,
-        tuple(inputs),
+        foundation, law, lines, control, value, points, plan, tuple(inputs)
     )
 
 
@@ -298,44 +321,37 @@ def solve(scene: SmoothScene) -> Steady:
             scene.value,
             scene.reduced,
         )
-    traced = is_traced(result.mu)
+    traced = scene.points.traced
     good = result.line.converged
     if not traced and not good.all():
         why = _sunk(scene) if result.sunk else nearly(good, result.error, result.mu)
         warn_unless(good, "points", f" to rtol={scene.plan.rtol:g}", why)
     # A Foundation given directly is a line by definition; a half-space under the bare
     # line is not.
-    bare = (
-        BARE_LINE
-        if scene.plan.model == BARE and scene.foundation.per_area is False
-        else 0.0
-    )
-    extra = () if soft is None else (soft.strain, soft.linear)
-    fields, strain, linear = _fields(
-        result._replace(sunk=False), scene.vertical, extra, bare=bare, shape=scene.shape
-    )
-    size = 0.5 * (fields["contact"].leading + fields["contact"].trailing)
-    beyond = steady_beyond(
-        scene.foundation.range,
-        scene.reduced.reshape(scene.shape),
-        size,
-        scene.temperature,
-    )
+    bare = scene.plan.model == BARE and scene.foundation.per_area is False
+    bound, line = BARE_LINE * result.mu if bare else 0.0, result.line
+    marks, strain, linear = (), None, None
     if softening is not None and soft is not None:
         outside = stop_gradient(xp.asarray(good & softening.outside(soft.strain)))
-        beyond += beyond_sweep(outside.reshape(scene.shape), scene.foundation.range)
+        marks = beyond_sweep(outside.reshape(scene.shape), scene.foundation.range)
+        strain = nan_unless(good, soft.strain).reshape(scene.shape)
+        if soft.linear is not None:
+            linear = nan_unless(good, soft.linear).reshape(scene.shape)
         if not traced:
             inputs += softened_words(soft, np.asarray(good))
-    beyond += doubt_depth(scene.foundation, scene.lines.shape, fields["depth"])
-    return Steady(
-        velocity=scene.velocity.reshape(scene.shape),
-        **fields,
-        converged=good.reshape(scene.shape),
-        marks=beyond,
-        inputs=inputs,
-        strain=strain,
-        linear=linear,
+    solved = Solved(
+        result.mu,
+        result.error,
+        result.model_error + bound,
+        line.normal_force,
+        line.depth,
+        line.leading,
+        line.trailing,
+        good,
     )
+    steady = packed(scene.points, solved, scene.foundation, inputs, marks)
+    deep = doubt_depth(scene.foundation, scene.lines.shape, steady.depth)
+    return steady._replace(marks=(*steady.marks, *deep), strain=strain, linear=linear)
 
 
 def nearly(good: Array, error: Array, mu: Array) -> str:
@@ -357,46 +373,6 @@ def too_deep(sunk: Array, thick: Array | float) -> str:
         f"{int(np.sum(sunk))} of them would sink deeper than the layer is thick "
         f"({1e3 * float(thick):.4g} mm)."
     )
-
-
-@compiled("bare", "shape")
-def _fields(
-    sweep: SolvedPoints,
-    vertical: Array,
-    extra: tuple[Any, ...],
-    *,
-    bare: float,
-    shape: tuple[int, ...],
-) -> tuple[dict[str, Any], Any, Any]:
-    """The fields of a result in their shape, NaN where a point failed; strain and
-    linear friction, if there are any.
-
-    One program where JAX traces.
-    """
-
-    good = sweep.line.converged
-    if not is_traced(sweep) and np.all(good):
-        good = None
-
-    def shaped(field: Array) -> Any:
-        return (
-            None
-            if field is None
-            else (field if good is None else nan_unless(good, field)).reshape(shape)
-        )
-
-    force = sweep.line.normal_force * vertical
-    fields = {
-        "mu": shaped(sweep.mu),
-        "error": shaped(sweep.error),
-        "model_error": shaped(sweep.model_error + bare * sweep.mu),
-        "normal_force": shaped(force),
-        "friction_force": shaped(sweep.mu * force),
-        "depth": shaped(sweep.line.depth),
-        "contact": Contact(shaped(sweep.line.leading), shaped(sweep.line.trailing)),
-    }
-    strain, linear = (shaped(x) for x in extra) if extra else (None, None)
-    return fields, strain, linear
 
 
 def _sunk(scene: SmoothScene) -> str:

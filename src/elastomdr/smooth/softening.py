@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..arrays import xp
-from ..checks import Array, is_traced
+from ..checks import Array
 from ..errors import InputError
 from ..numerics.implicit import as_doubles, implicit
 from ..numerics.root import search
@@ -72,10 +72,7 @@ def run_softened(
     velocity: Array,
 ) -> tuple[SolvedPoints, Softened]:
     """`run` with the moduli at the effective strain of each contact."""
-    softening, traced = (
-        foundation.softening,
-        plan.traced or is_traced(law, lines, value, velocity, foundation),
-    )
+    softening, traced = foundation.softening, plan.traced
     assert softening is not None
     alone = dataclasses.replace(plan, averaged=False, corrected=False, shared=False)
     shared, points = (softening, law, lines, foundation.thickness), (value, velocity)

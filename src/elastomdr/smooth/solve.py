@@ -69,6 +69,15 @@ class SolvedPoints(NamedTuple):
     sunk: bool = False
 
 
+class _Sweep(NamedTuple):
+    """What all points of a plan share."""
+
+    plan: Plan
+    law: Relaxation
+    lines: AbstractLines
+    rtol: float  # of the average
+
+
 def run(
     plan: Plan,
     law: Relaxation,
@@ -88,8 +97,9 @@ def run(
         passages = Passages(*line)._replace(converged=line[-1] > 0)
         return SolvedPoints(mu, error, passages, model_error)
     rtol = plan.rtol / (_CORRECTED if plan.corrected else 1)
+    sweep = _Sweep(plan, law, lines, rtol)
     if not plan.averaged:
-        ahead = _solve(plan, law, lines, plan.control, value, velocity, rtol)
+        ahead = _solve(sweep, plan.control, value, velocity)
         sunk = _sunk(lines, ahead)
         lossy = 0.0 if plan.elastic else 1.0
         mu, error, good, model_error = (
@@ -100,52 +110,54 @@ def run(
         )
     else:
         deep = (
-            _solve(plan, law, lines, "depth", value, velocity, rtol)
-            if plan.control == "depth"
-            else None
+            _solve(sweep, "depth", value, velocity) if plan.control == "depth" else None
         )
         load = (
             value if deep is None else np.where(deep.converged, deep.normal_force, 1.0)
         )
-        mu, skew, error, good, ahead, sunk = _over_directions(
-            plan, law, lines, load, velocity, rtol
-        )
+        mean = _over_directions(sweep, np.asarray(load), np.asarray(velocity))
+        mu, good, ahead, sunk = mean.mu, mean.good, mean.ahead, mean.sunk
         if deep is not None:
             ahead, good = deep, good & deep.converged
-        mu, error, model_error = _against_half_space(plan, law, mu, skew, error, ahead)
+        mu, error, model_error = _against_half_space(
+            plan, law, mu, mean.skew, mean.error, ahead
+        )
     error = error + mu * _ROUNDING
     good = good & (error <= plan.rtol * mu) & np.isfinite(mu)
     return SolvedPoints(mu, error, ahead._replace(converged=good), model_error, sunk)
 
 
+class _Averaged(NamedTuple):
+    """Averages over directions."""
+
+    mu: np.ndarray
+    skew: np.ndarray  # of `_skew`
+    error: np.ndarray
+    sampling: np.ndarray  # the part of it that is that of the passages
+    good: np.ndarray  # whether all were solved
+    ahead: Passages  # in the direction of the motion itself
+    sunk: bool  # whether some load sinks in
+
+
 def _over_directions(
-    plan: Plan,
-    law: Relaxation,
-    lines: AbstractLines,
-    load: Float[Array, " points"],
-    velocity: Float[Array, " points"],
-    rtol: float,
-) -> tuple[Any, ...]:
-    """Averages over directions, with more of them at points that miss the tolerance:
-    mu, skew, error, whether it was solved, passages ahead, whether some load sinks in.
-    """
-    average: Any = _shared if plan.shared else _direct
-    solved: list[Any] = []
-    mu, skew, error, sampling, good, ahead, sunk = average(
-        plan, law, lines, load, velocity, rtol, 0, solved
-    )
+    sweep: _Sweep, load: np.ndarray, velocity: np.ndarray
+) -> _Averaged:
+    """Averages over directions, with more of them at points that miss the tolerance."""
+    average = _shared if sweep.plan.shared else _direct
+    known: list[_Solved] = []
+    whole = average(sweep, load, velocity, 0, known)
+    mu, rtol, sunk = whole.mu, sweep.rtol, whole.sunk
     room = rtol - _ROUNDING  # which `run` adds
     for level in range(1, _LEVELS + 1):
-        left = good & ~(error <= room * mu) & (sampling <= rtol * mu)
+        left = whole.good & ~(whole.error <= room * mu) & (whole.sampling <= rtol * mu)
         if not left.any():
             break
-        again = average(
-            plan, law, lines, load[left], velocity[left], rtol, level, solved
-        )
-        mu[left], skew[:, left], error[left], sampling[left], good[left] = again[:5]
-        _put(ahead, left, again[5])
-        sunk |= again[6]
-    return mu, skew, error, good, ahead, sunk
+        again = average(sweep, load[left], velocity[left], level, known)
+        for field, values in zip(whole[:5], again[:5], strict=True):
+            field[..., left] = values
+        _put(whole.ahead, left, again.ahead)
+        sunk |= again.sunk
+    return whole._replace(sunk=sunk)
 
 
 def _sunk(lines: AbstractLines, passages: Passages) -> bool:
@@ -176,21 +188,18 @@ def _against_half_space(
 
 
 def _shared(
-    plan: Plan,
-    law: Relaxation,
-    lines: AbstractLines,
+    sweep: _Sweep,
     load: np.ndarray,
     velocity: np.ndarray,
-    rtol: float,
     level: int,
     known: list[_Solved],
-):
+) -> _Averaged:
     """Velocities at the same load share one line curve, and where they are more than
     its nodes, its passages too.
     """
     loads, curve = np.unique(load, return_inverse=True)
     chosen = [np.flatnonzero(curve == i) for i in range(loads.size)]
-    grids = [shared_curve(velocity[points], rtol, level) for points in chosen]
+    grids = [shared_curve(velocity[points], sweep.rtol, level) for points in chosen]
     sizes = [grid.velocity.size for grid in grids]
     few = [
         points
@@ -202,35 +211,37 @@ def _shared(
     every_velocity = np.concatenate(
         [grid.velocity for grid in grids] + [velocity[alone]]
     )
-    every = _solve_new(plan, law, lines, every_load, every_velocity, rtol, known)
+    every = _solve_new(sweep, every_load, every_velocity, known)
     ahead = Passages(*(np.zeros(load.shape, field.dtype) for field in every))
     _put(ahead, alone, Passages(*(field[sum(sizes) :] for field in every)))
     mu, error, sampling = (np.empty_like(velocity) for _ in range(3))
     skew = np.empty((2, velocity.size))
     good, left = np.zeros(load.shape, bool), np.zeros(load.shape, bool)
-    tail, start = directions(rtol, level).tail, 0
+    tail, start = directions(sweep.rtol, level).tail, 0
     for points, grid, size in zip(chosen, grids, sizes, strict=True):
         line = Passages(*(field[start : start + size] for field in every))
         start += size
-        safety = _BENT if plan.bends else 1
-        mu[points], error[points], sampling[points], good[points] = _averaged(
-            grid, line, rtol, tail, safety
+        safety = _BENT if sweep.plan.bends else 1
+        mu[points], error[points], sampling[points], good[points] = _of_curve(
+            grid, line, sweep.rtol, tail, safety
         )
         skew[:, points] = [
             at_points(average(field, grid.kernel), grid.near, grid.local)
             for field in _skew(line)
         ]
         if points.size > size:
-            read, precise = _read_off(grid, line, rtol)
+            read, precise = _read_off(grid, line, sweep.rtol)
             _put(ahead, points, read._replace(converged=good[points]))
             left[points] = good[points] & ~precise
     if left.any():
         _put(
             ahead,
             left,
-            _solve(plan, law, lines, "load", load[left], velocity[left], rtol),
+            _solve(sweep, "load", load[left], velocity[left]),
         )
-    return mu, skew, error, sampling, good & ahead.converged, ahead, _sunk(lines, every)
+    good &= ahead.converged
+    sunk = _sunk(sweep.lines, every)
+    return _Averaged(mu, skew, error, sampling, good, ahead, sunk)
 
 
 def _skew(line: Passages) -> tuple[Array, Array]:
@@ -247,9 +258,18 @@ def _put(whole: Passages, points: np.ndarray, passages: Passages) -> None:
         field[points] = values
 
 
-def _averaged(
+class _Curve(NamedTuple):
+    """Averages of a line curve at the points."""
+
+    mu: np.ndarray
+    error: np.ndarray
+    sampling: np.ndarray
+    reached: np.ndarray
+
+
+def _of_curve(
     grid: SharedCurve, line: Passages, rtol: float, tail: float, safety: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+) -> _Curve:
     """The direction average of a line curve at the points, its error, how much of it is
     that of the line's solutions, and whether what it uses has converged.
     """
@@ -272,7 +292,8 @@ def _averaged(
     with np.errstate(invalid="ignore", divide="ignore"):
         relative = np.nan_to_num(checked / means)[grid.near].max(axis=1)
     interpolated = interpolation_error(mu, np.where(trusted, lower, np.nan))
-    return mu, safety * (mu * relative + interpolated) + sampling, sampling, reached
+    error = safety * (mu * relative + interpolated) + sampling
+    return _Curve(mu, error, sampling, reached)
 
 
 def _read_off(
@@ -291,60 +312,46 @@ def _read_off(
 
 
 def _direct(
-    plan: Plan,
-    law: Relaxation,
-    lines: AbstractLines,
+    sweep: _Sweep,
     load: np.ndarray,
     velocity: np.ndarray,
-    rtol: float,
     level: int,
     known: list[_Solved],
-):
+) -> _Averaged:
     """Every velocity has its own directions: for few points, or where each has its own
     load.
     """
-    rule = directions(rtol, level)
+    rule = directions(sweep.rtol, level)
     slowed = velocity[:, None] * rule.cosines
     loads = np.broadcast_to(load[:, None], slowed.shape).ravel()
-    every = _solve_new(plan, law, lines, loads, slowed.ravel(), rtol, known)
+    every = _solve_new(sweep, loads, slowed.ravel(), known)
     every = Passages(*(field.reshape(slowed.shape) for field in every))
     # the first direction is the motion itself
     ahead = Passages(*(field[:, 0].copy() for field in every))
-    mu = every.mu @ rule.weights
-    sampling = every.error @ rule.weights
-    unseen = rule.tail + _UNSEEN * rtol
-    error = (
-        quadrature_error(mu, every.mu @ rule.half, every.mu @ rule.quarter, unseen)
-        + sampling
-    )
+    line = np.asarray(every.mu)
+    mu, sampling = line @ rule.weights, np.asarray(every.error) @ rule.weights
+    unseen = rule.tail + _UNSEEN * sweep.rtol
+    error = quadrature_error(mu, line @ rule.half, line @ rule.quarter, unseen)
     skew = np.stack([field @ rule.weights for field in _skew(every)])
-    return (
+    return _Averaged(
         mu,
         skew,
-        error,
+        np.asarray(error) + sampling,
         sampling,
-        every.converged.all(axis=1),
+        np.asarray(np.all(every.converged, axis=1)),
         ahead,
-        _sunk(lines, every),
+        _sunk(sweep.lines, every),
     )
 
 
 def _solve_new(
-    plan: Plan,
-    law: Relaxation,
-    lines: AbstractLines,
-    load: Array,
-    velocity: Array,
-    rtol: float,
-    known: list[_Solved],
+    sweep: _Sweep, load: np.ndarray, velocity: np.ndarray, known: list[_Solved]
 ) -> Passages:
     """Passages at given loads, but for those `known` from longer steps of the average,
     to which it adds the others.
     """
     if not known:
-        known.append(
-            (load, velocity, _solve(plan, law, lines, "load", load, velocity, rtol))
-        )
+        known.append((load, velocity, _solve(sweep, "load", load, velocity)))
         return known[0][2]
     asked = load + 1j * velocity  # pairs as one number each
     loads, velocities, every = _joined(known)
@@ -357,7 +364,7 @@ def _solve_new(
             (
                 load,
                 velocity,
-                _solve(plan, law, lines, "load", load, velocity, rtol, start),
+                _solve(sweep, "load", load, velocity, start),
             )
         )
         loads, velocities, every = _joined(known)
@@ -418,18 +425,16 @@ def _between(
 
 
 def _solve(
-    plan: Plan,
-    law: Relaxation,
-    lines: AbstractLines,
+    sweep: _Sweep,
     control: Control,
     value: Array,
     velocity: Array,
-    rtol: float,
     start: Passages | None = None,
 ) -> Passages:
     """Passages as NumPy arrays, with the rules of the plan tried in turn where the
     error asks for it.
     """
+    plan, law, lines, rtol = sweep
     wanted = 0.1 * rtol
     value, velocity = np.asarray(value), np.asarray(velocity)
     if plan.marched:

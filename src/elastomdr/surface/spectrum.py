@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ..arrays import xp
+from ..arrays import namespace, xp
 from ..checks import (
     alike,
     as_float64,
@@ -139,6 +139,7 @@ class AbstractSpectrum(Tree):
 
     @numpy_unless_traced
     def _until(self, power: float, q: Any) -> Any:
+        xp = namespace(self, q)
         q = xp.clip(xp.asarray(q, dtype=np.float64), self.q_low, self.q_high)
         start = xp.log(self.q[:-1])
         slope = xp.diff(xp.log(self.c)) / xp.diff(xp.log(self.q)) + power + 1
@@ -401,7 +402,8 @@ def check_convention(convention: Any) -> None:
 
 
 def _plain(value: Any) -> Any:
-    return value if is_traced(value) else float(value)
+    known = type(value) is np.float64 or not is_traced(value)
+    return float(value) if known else value
 
 
 def _from_cut(q: np.ndarray, cut: np.ndarray) -> np.ndarray:

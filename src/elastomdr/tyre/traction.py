@@ -17,6 +17,7 @@ from ..checks import (
     Array,
     as_float64,
     broadcast_shape,
+    certain,
     finite,
     is_traced,
     known,
@@ -424,11 +425,12 @@ def _pull(
 
     # Where errors cannot be looked at, the number of steps that is nearly always
     # enough.
-    first = _STEPS[1] if is_traced(rolling) else _STEPS[0]
+    traced = is_traced(rolling)
+    first = _STEPS[1] if traced else _STEPS[0]
     pulled = known(tractions(rolling, rule, first))
     for steps in _STEPS[1:]:
         missed = missed_in(pulled)
-        if is_traced(missed, pulled.force):
+        if traced:
             break
         again = missed & np.isfinite(pulled.force)
         if not again.any():
@@ -486,8 +488,7 @@ def _on_strip(layer: Layer, law: Relaxation, scene: _Scene) -> _BoundAt:
 
 def _is_elastic(law: Relaxation) -> bool:
     """Whether a law is known to be elastic."""
-    viscosity = law.viscosity
-    return not (law.moduli.size or is_traced(viscosity) or float(viscosity) != 0)
+    return not law.moduli.size and certain(lambda x: x == 0, law.viscosity)
 
 
 def _packed(
@@ -671,11 +672,8 @@ def _carter(foundation: Foundation, scene: _Scene) -> Traction:
     friction, doubts = scene.friction_in(
         scene.velocity, scene.temperature, load, Contact(half, half), True
     )
-    if not is_traced(friction) and np.isinf(np.asarray(friction)).any():
-        raise InputError(
-            "friction must be finite for a cylinder on a half-space: without slip "
-            "Carter's traction diverges."
-        )
+    accepted = "finite for a cylinder on a half-space (without slip Carter's traction diverges)"
+    require("friction", friction, accepted, lambda x: ~np.isinf(x))
     velocity, creepage, friction, load, modulus = xp.broadcast_arrays(
         *map(xp.asarray, (scene.velocity, scene.creepage, friction, load, modulus))
     )
@@ -724,7 +722,7 @@ def _checked_half_plane(foundation: Foundation, scene: _Scene) -> tuple[Any, Any
             "load must be given for a cylinder on a half-space, whose depth is "
             "not defined (plane strain)."
         )
-    if law.moduli.size or (not is_traced(law) and law.viscosity > 0):
+    if law.moduli.size or certain(lambda x: x > 0, law.viscosity):
         raise InputError(
             "material must be elastic for a cylinder on a half-space (Carter's "
             "problem), or a layer (em.springs): a viscoelastic half-plane is no MDR "

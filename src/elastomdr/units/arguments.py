@@ -232,7 +232,7 @@ def arguments_in_si(
                 raise InputError(
                     f"{name} must be True or False, got {reprlib.repr(value)}."
                 )
-            else:
+            elif type(value) not in _PLAIN and type(value).__module__ != "numpy":
                 carried = _has_unit(name, value) or carried
         if not carried and not any(map(carries_unit, args[len(names) :])):
             return args, kwargs

@@ -94,16 +94,17 @@ def _once_more(
 
 
 def _repeatable(
-    call: RoughCall | SmoothCall, solve: Callable[[Any], FrictionCurve]
+    curve: FrictionCurve,
+    call: RoughCall | SmoothCall,
+    solve: Callable[[Any], FrictionCurve],
 ) -> FrictionCurve:
     """The curve of a call, with the call itself unless JAX traces it."""
-    curve = solve(call)
     if is_traced(curve.mu):
         return curve
     return dataclasses.replace(curve, again=_Again(call, solve))
 
 
-def _on_smooth(adhesion: AdhesiveShear | None, call: SmoothCall) -> FrictionCurve:
+def _on_smooth(call: SmoothCall, adhesion: AdhesiveShear | None) -> FrictionCurve:
     """Friction of a smooth body."""
     if isinstance(call.shape, AbstractShape):
         chosen = of_smooth(call.model, "friction", call.shape.label)
@@ -237,9 +238,11 @@ def friction(
             tell,
             branch,
         )
-        return _repeatable(rough, road_model.rough_friction)
+        curve = road_model.rough_friction(rough)
+        return _repeatable(curve, rough, road_model.rough_friction)
     only_rough(heat=heat, direction=direction, branch=branch)
     check_adhesion(adhesion, temperature)
     body: Any = shape  # anything else is refused there
     smooth = SmoothCall("friction", solid, body, asked, model, rtol)
-    return _repeatable(smooth, partial(_on_smooth, adhesion))
+    curve = _on_smooth(smooth, adhesion)
+    return _repeatable(curve, smooth, partial(_on_smooth, adhesion=adhesion))
