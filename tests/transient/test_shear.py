@@ -5,7 +5,6 @@ own order.
 import functools
 import itertools
 
-import jax
 import numpy as np
 import pytest
 
@@ -274,42 +273,6 @@ class TestExtremes:
             found = em.shear(liquid, em.Sphere(1e-3), time=TIME, **scene)
         assert not found.converged[-1]
         assert np.isnan(found.force[-1])
-
-
-@pytest.mark.slow
-def test_gradient():
-    """The force at the end against finite differences: moduli, times, radius, friction,
-    load, displacement.
-    """
-
-    def force(p):
-        normal, tangential = (
-            em.Foundation(p[0], p[1:2], p[2:3]),
-            em.Foundation(p[3], p[4:5], p[5:6]),
-        )
-        return em.shear(
-            normal,
-            em.Paraboloid(p[6]),
-            time=np.linspace(0, 1, 11),
-            displacement=p[9] * np.linspace(0, 1, 11),
-            friction=p[7],
-            load=p[8],
-            tangential=tangential,
-            elements=4000,
-            steps=2,
-        ).force[-1]
-
-    at = np.array([2e6, 4e6, 0.3, 1.5e6, 3e6, 0.2, R, 0.5, 2.0, 1e-4])
-    with jax.enable_x64(True):
-        gradient = np.asarray(jax.jit(jax.grad(force))(at)) * at
-        call = jax.jit(force)
-        numeric = [
-            (float(call(at + s)) - float(call(at - s))) / 4e-3
-            for s in 2e-3 * np.diag(at)
-        ]
-    np.testing.assert_allclose(
-        gradient, numeric, rtol=2e-3, atol=1e-3 * np.abs(gradient).max()
-    )
 
 
 @pytest.mark.parametrize(

@@ -7,13 +7,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..arrays import xp
 from ..call.extrapolation import told
 from ..call.problem import check_rtol, doubt_depth, hint_at_metres
 from ..checks import (
     as_float64,
     broadcast_shape,
-    is_traced,
     nan_unless,
     numpy_unless_traced,
     positive,
@@ -31,7 +29,7 @@ from ..results.words import brief, describe, span
 from .impact_motion import Impacts, Striker, impacts
 from .layer_disc import incompressible_enough, of_layer
 from .oblique_impact import Oblique, ObliqueHistory, Slips, check_oblique, solve_oblique
-from .problem import SPRINGS, Bound, bound_on, check_shape, standing
+from .problem import SPRINGS, Bound, bound_on, check_shape, numbers_only, standing
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
@@ -171,14 +169,17 @@ def impact(
 
     Raises:
         InputError: for a mass or velocity that is not positive, a cylinder on a
-            half-space, or a temperature without a shift law.
+            half-space, a temperature without a shift law, and under a transformation of
+            JAX.
 
     Exact for the half-space and every shape whose contact grows as a disc; the rubber's
     own inertia (waves) is left out. Oblique impacts are of second order in the step.
-    Differentiable with respect to moduli, times, shape, mass and velocity.
+    Without derivatives: under `jit`, `grad` and `vmap` it is refused.
 
     Source: Popov & Hess 2015, ch. 7; Ting 1966 for the rebound.
     """
+    scene_numbers = (mass, velocity, temperature, tangential_velocity, friction)
+    numbers_only("em.impact", material, shape, *scene_numbers, inertia, tangential)
     slips = check_oblique(material, tangential_velocity, friction, inertia, tangential)
     extra = {}
     if slips is not None:
@@ -206,7 +207,7 @@ def _pack(
         return nan_unless(good, field).T.reshape((*scene.shape, -1))
 
     duration = shaped(nan_unless(solution.timed, motion.duration))
-    beyond = () if is_traced(motion.restitution) else _beyond(scene, duration)
+    beyond = _beyond(scene, duration)
     history = ObliqueHistory(
         series(motion.time),
         series(motion.depth),
@@ -248,8 +249,6 @@ def _why_not(body: Striker, solution: Impacts) -> str:
     """What impacts reach that do not converge, and which branches keep them from more;
     empty where nothing is known.
     """
-    if is_traced(body, solution):
-        return ""
     missed = ~solution.converged & np.isfinite(solution.reached)
     if not missed.any():
         return ""
@@ -274,10 +273,9 @@ def _within_layer(
     """
     motion = solution.motion
     good = solution.converged & (motion.max_depth < disc.thickness)
-    numpy = xp if is_traced(disc, motion.max_depth) else np
-    radius = numpy.asarray(disc.radius_of_depth(motion.max_depth))
+    radius = np.asarray(disc.radius_of_depth(motion.max_depth))
     incompressible_enough(material, disc, radius, motion.max_force)
-    if is_traced(good) or not (solution.converged & ~good).any():
+    if not (solution.converged & ~good).any():
         return good, ""
     h = float(disc.thickness)
     return good, f"The body would go deeper than the layer is thick, {h:.4g} m."
@@ -342,7 +340,7 @@ def _scene(
     columns = _columns(foundations, temperature, points, many)
 
     def full(array: Any) -> Any:
-        return xp.broadcast_to(array, result)
+        return np.broadcast_to(array, result)
 
     names = ", ".join(dict.fromkeys(f.name or "given directly" for f in foundations))
     inputs = [
@@ -408,14 +406,14 @@ def _columns(
     width = next((n for n in _WIDTHS if n >= most), most)
     padded = [_branches(law, width) for law in laws]
     rates, moduli, viscosity = (
-        xp.concatenate(parts, axis=-1) for parts in zip(*padded, strict=True)
+        np.concatenate(parts, axis=-1) for parts in zip(*padded, strict=True)
     )
     # one column per material: one per point
     repeats = 1
     if many and rates.shape[-1] == len(foundations):
         repeats = int(np.prod(points))
     rates, moduli, viscosity = (
-        xp.repeat(x, repeats, axis=-1) for x in (rates, moduli, viscosity)
+        np.repeat(x, repeats, axis=-1) for x in (rates, moduli, viscosity)
     )
     return rates, moduli, viscosity
 
@@ -477,7 +475,7 @@ def _law_at(
     if temperature is None:
         return law
     a, b = (
-        xp.broadcast_to(xp.asarray(x), points).reshape(-1)
+        np.broadcast_to(np.asarray(x), points).reshape(-1)
         for x in thermal_factors(foundation, temperature)
     )
     return Relaxation(
@@ -494,16 +492,16 @@ def _branches(law: Relaxation, width: int) -> tuple[Any, Any, Any]:
     """
     times = law.times if law.times.ndim == 2 else law.times[:, None]
     columns = times.shape[-1]
-    viscosity = xp.broadcast_to(law.viscosity, (columns,))
-    filled = xp.zeros((width - law.moduli.shape[0], columns))
-    branch_moduli = xp.broadcast_to(
+    viscosity = np.broadcast_to(law.viscosity, (columns,))
+    filled = np.zeros((width - law.moduli.shape[0], columns))
+    branch_moduli = np.broadcast_to(
         law.moduli if law.moduli.ndim == 2 else law.moduli[:, None], times.shape
     )
-    moduli = xp.concatenate(
-        [xp.broadcast_to(law.equilibrium, (1, columns)), branch_moduli, filled]
+    moduli = np.concatenate(
+        [np.broadcast_to(law.equilibrium, (1, columns)), branch_moduli, filled]
     )
     return (
-        xp.concatenate([xp.zeros((1, columns)), 1 / times, filled]),
+        np.concatenate([np.zeros((1, columns)), 1 / times, filled]),
         moduli,
         viscosity,
     )

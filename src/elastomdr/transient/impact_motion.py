@@ -37,8 +37,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, cond, on_jax, on_numpy, scan, stop_gradient, tree_map, xp
-from ..checks import Array, is_traced
+from ..arrays import compiled, cond, on_jax, on_numpy, scan, tree_map, xp
+from ..checks import Array
 from ..numerics.decay import ramp_weights
 from ..numerics.interpolation import peak
 from ..numerics.root import root, search
@@ -131,7 +131,7 @@ class _Node(NamedTuple):
 
 
 def march(body: Striker, grid: ApproachGrid, *, per_area: bool) -> ImpactMotion:
-    """Impacts on one grid; differentiable in both modes."""
+    """Impacts on one grid."""
     zero = xp.zeros(body.velocity.shape)
     none = xp.zeros((body.rates.shape[0], *zero.shape))
     punch = (
@@ -265,7 +265,7 @@ def _approach(
         # The mean force over a step is nearly a power of s: that gives the first guess
         # of the step's length.
         log_h, met = root(residual, momentum - (log_force + slope * step.stride))
-        mean = momentum - stop_gradient(log_h)
+        mean = momentum - log_h
         slope = xp.clip((mean - log_force) / step.stride, -20, 20)
         return after(body, node, log_h, speed), mean, slope, good & met
 
@@ -273,9 +273,8 @@ def _approach(
         ahead = _where_taken(step.taken, take, body, carry, step)
         return ahead, (ahead[0], ahead[0].time - carry[0].time)
 
-    log_force = stop_gradient(
-        xp.log(body.mass * body.velocity * grid.lost[0])
-    ) - _first_step(body, per_area, grid)
+    momentum = xp.log(body.mass * body.velocity * grid.lost[0])
+    log_force = momentum - _first_step(body, per_area, grid)
     carry = (start, log_force, xp.zeros_like(log_force), xp.ones(log_force.shape, bool))
     steps = grid._replace(
         last=xp.zeros(grid.kept.shape), shown=xp.zeros(grid.kept.shape)
@@ -286,7 +285,6 @@ def _approach(
 
 def _first_step(body: Striker, per_area: bool, grid: ApproachGrid) -> Array:
     """Logarithm of a rough length of the first step, of which no scale is known."""
-    body = stop_gradient(body)
     momentum = xp.log(body.mass * body.velocity * grid.lost[0])
 
     def residual(log_h: Array) -> Array:
@@ -365,7 +363,7 @@ def _retreat(
             return xp.log((held - after(body, node, touched, log_h)[0]) / held)
 
         log_h, met = root(residual, log_length + log_ratio + trend)
-        ratio = stop_gradient(log_h) - log_length
+        ratio = log_h - log_length
         trend = xp.clip(xp.where(trend == 0, 0.5, 1.0) * (ratio - log_ratio), -1.0, 1.0)
         return after(body, node, touched, log_h)[1], ratio, trend, good & met
 
@@ -375,7 +373,7 @@ def _retreat(
         return (ended, *carry[1:]), ended
 
     touched = tree_map(lambda x: x[-2::-1], path)
-    log_lengths = stop_gradient(xp.log(xp.where(lengths > 0, lengths, 1.0)))[::-1]
+    log_lengths = xp.log(xp.where(lengths > 0, lengths, 1.0))[::-1]
     zero = xp.zeros_like(log_lengths[0])
     first = xp.arange(log_lengths.shape[0])[::-1] == 0
     node = _Rebound(turn.time, turn.depth, turn.speed, turn.centre, turn.force)
@@ -421,7 +419,7 @@ def _retreat_of_punch(
             force = after(body, carry, target, log_h)[0]
             return xp.log((node.force - force) / (node.force - target))
 
-        log_h, met = root(residual, stop_gradient(log_h))
+        log_h, met = root(residual, log_h)
         return after(body, carry, target, log_h)[1], log_h, good & met, measure
 
     def step(carry: tuple, step: tuple) -> tuple:
@@ -451,11 +449,7 @@ class Impacts(NamedTuple):
 
 
 def impacts(body: Striker, *, per_area: bool, rtol: float) -> Impacts:
-    """Every impact to `rtol`, on finer grids where one needs them and values are
-    known (not under `jit` or `grad`).
-    """
-    if is_traced(body):
-        return _stage(body, rtol, per_area=per_area, stage=1)
+    """Every impact to `rtol`, on finer grids where one needs them."""
     count = int(body.velocity.shape[0])
     starts = range(0, count, _BLOCK)
     blocks = [_select(body, np.arange(i, min(i + _BLOCK, count))) for i in starts]
@@ -471,9 +465,7 @@ def impacts(body: Striker, *, per_area: bool, rtol: float) -> Impacts:
 
 
 def _block(body: Striker, per_area: bool, rtol: float) -> Impacts:
-    """A block of impacts whose values can be looked at: stage by stage, each for those
-    that the last left open.
-    """
+    """A block of impacts: stage by stage, each for those that the last left open."""
     count = int(body.velocity.shape[0])
     solved: Any = None
     waiting = np.arange(count)
@@ -562,8 +554,8 @@ def _stage(body: Striker, rtol: float, *, per_area: bool, stage: int) -> Impacts
     solved = xp.all(motions.solved, axis=0)
     good = (solved & enough & xp.isfinite(best.restitution)) | (stuck & (depth <= rtol))
     timed = (duration <= _LOOSER * rtol) | stuck
-    error = stop_gradient(xp.where(stuck, 0.0, error))
-    reached = stop_gradient(xp.where(solved & ~stuck, reached, xp.nan))
+    error = xp.where(stuck, 0.0, error)
+    reached = xp.where(solved & ~stuck, reached, xp.nan)
     return Impacts(best, error, stuck, good, timed, reached)
 
 

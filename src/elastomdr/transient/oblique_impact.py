@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, on_jax, stop_gradient, tree_map, xp
+from ..arrays import compiled, on_jax, tree_map, xp
 from ..checks import Array, as_float64, finite, nan_unless, positive, require, scalar
 from ..element.contact_step import coefficients_of_steps
 from ..element.law import Foundation
@@ -337,9 +337,9 @@ def _steps(course: NormalImpact, mass: Array, steps: int) -> ObliqueSteps:
 
 def _displacement(free: Array, before: Array, compliance: Array, force: Any) -> Array:
     """x with x = free - compliance (F_before + F(x)); F rises in straight pieces."""
-    scale = stop_gradient(xp.abs(free) + compliance * xp.abs(before) + 1e-300)
+    scale = xp.abs(free) + compliance * xp.abs(before) + 1e-300
 
     def residual(scaled: Array) -> Array:
         return scaled + (compliance * (before + force(scale * scaled)) - free) / scale
 
-    return scale * root(residual, stop_gradient(free) / scale, _MET, 1.0)[0]
+    return scale * root(residual, free / scale, _MET, 1.0)[0]

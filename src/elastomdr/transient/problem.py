@@ -298,6 +298,15 @@ def _check_jumps(time: np.ndarray, depth: np.ndarray) -> None:
         )
 
 
+def numbers_only(verb: str, *given: object) -> None:
+    """Raises `InputError` where JAX traces one of the arguments."""
+    if is_traced(*given):
+        raise InputError(
+            f"{verb} cannot be called under jax.jit, grad or vmap, which em.indent, "
+            "em.slide and em.drive can."
+        )
+
+
 def at_temperature(
     foundation: Foundation, temperature: Any
 ) -> tuple[Relaxation, Any, Any]:

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import arrays, on_jax, on_numpy, stop_gradient, tree_map, xp
+from ..arrays import arrays, on_jax, on_numpy, tree_map
 from ..call.problem import doubt_depth
 from ..call.several_materials import over_materials
 from ..checks import (
     Array,
     as_float64,
     finite,
-    is_traced,
     known,
     nan_unless,
     not_negative,
@@ -30,15 +29,13 @@ from ..element.law import Foundation
 from ..errors import InputError
 from ..material.relaxation import Relaxation, to_kelvin
 from ..material.validity import material_in_words, shared
-from ..numerics.quadrature import gauss_unit
-from ..numerics.root import bisect
 from ..results.doubts import Doubt
 from ..results.words import brief, describe
-from ..surface.disc import contact_measure, disc_under
+from ..surface.disc import disc_under
 from ..surface.shapes import AbstractShape, FlatPunch
 from .age import history_beyond
 from .history_result import Shear
-from .problem import MOST_ELEMENTS, both_laws, bound_on, standing, unknown
+from .problem import MOST_ELEMENTS, both_laws, bound_on, numbers_only, standing, unknown
 from .refinement import beside
 from .shear_motion import Prescribed, Sheared, ShearScene, line, panels, shear_history
 
@@ -112,18 +109,19 @@ def shear(
 
     Raises:
         InputError: for what has no meaning, such as a dashpot that is to follow a
-            sudden depth.
+            sudden depth, and under a transformation of JAX.
 
     Exact for elastic bodies on straight paths in (depth, displacement); otherwise of
     second order in the steps. Where load and displacement of an elastic contact change
     at once, `work` and `slip_loss` are of second order in the time between two
     instants; the force is exact. Normal and tangential loading do not influence each
     other otherwise, which is exact for equal bodies, or for an incompressible one on a
-    rigid one. Differentiable in moduli, times, shape, friction, load, depth and
-    displacement.
+    rigid one. Without derivatives: under `jit`, `grad` and `vmap` it is refused.
 
     Source: Cattaneo 1938; Mindlin 1949; Popov & Hess 2015, ch. 5.
     """
+    given_numbers = (time, displacement, friction, load, depth, tangential)
+    numbers_only("em.shear", material, shape, *given_numbers)
     laws = both_laws(material, tangential)
     per_area, name = standing([laws[0]], shape), only_one(load=load, depth=depth)
     given = _checked_history(
@@ -143,11 +141,10 @@ def shear(
     reach = _reach(shape, laws[0].law(), per_area, name, given, cut.elements)
     scene = _scene(shape, laws, mu, reach)
     sheared, error = _solved(scene, given, cut, exact)
-    numpy = xp if is_traced(sheared) else np
     inside: Any = True
     if not isinstance(shape, FlatPunch):
         inside = sheared.contact_radius <= reach * (1 - 0.25 / cut.elements)
-    good = numpy.isfinite(sheared.force) & numpy.isfinite(sheared.normal_force) & inside
+    good = np.isfinite(sheared.force) & np.isfinite(sheared.normal_force) & inside
     reason = "The contact is wider there than the body or the grid."
     warn_unless(good, "instants", reason=reason)
     beyond, bound = _beyond(laws, given), bound_on(laws[0], SLIP)
@@ -181,7 +178,7 @@ def _beyond(
         1.0,
         slid=moved,
         # else nothing happens at the first instant
-        at_once=is_traced(moved) or bool(moved[0] != 0),
+        at_once=bool(moved[0] != 0),
     )
 
 
@@ -190,7 +187,7 @@ def _inputs(
     shape: AbstractShape,
     name: str,
     given: Prescribed,
-    mu: Any,
+    mu: Array,
     cut: _Cut,
 ) -> list[tuple[str, str]]:
     """What was given, in words."""
@@ -201,7 +198,7 @@ def _inputs(
         (name, brief(given.value, "N" if name == "load" else "m")),
         ("displacement", brief(given.displacement, "m")),
         ("time", brief(given.time, "s")),
-        ("friction coefficient", "traced" if is_traced(mu) else f"{float(mu):g}"),
+        ("friction coefficient", f"{float(mu):g}"),
         ("elements and steps", size),
     ]
 
@@ -218,10 +215,10 @@ class _Cut(NamedTuple):
 
 def _checked_history(
     laws: tuple[Foundation, Foundation],
-    time: Any,
+    time: ArrayLike,
     name: str,
-    value: Any,
-    displacement: Any,
+    value: ArrayLike | None,
+    displacement: ArrayLike,
 ) -> Prescribed:
     """Raises `InputError` for what is no history, or none that a dashpot can follow."""
     time = as_float64("time", time)
@@ -237,20 +234,18 @@ def _checked_history(
             "time must be a list of two instants or more, got an array of shape "
             f"{time.shape}."
         )
-    if not is_traced(time) and not (np.diff(time) > 0).all():
+    if not (np.diff(time) > 0).all():
         raise InputError("time must be ascending, without repeats.")
-    traced = is_traced(laws, time, displacement, value)
     if any(x.shape not in ((), (1,), time.shape) for x in (value, displacement)):
         raise InputError(
             f"displacement and {name} must be single numbers or as long as time "
             f"({time.shape[0]}), got shapes {np.shape(displacement)} and "
             f"{np.shape(value)}."
         )
-    numpy: Any = xp if traced else np
     value, displacement = (
-        numpy.broadcast_to(x, time.shape) for x in (value, displacement)
+        np.broadcast_to(x, time.shape) for x in (value, displacement)
     )
-    if not traced and any(float(law.viscosity) > 0 for law in laws):
+    if any(float(law.viscosity) > 0 for law in laws):
         moved = displacement[0] != 0
         if moved or (name == "depth" and value[0] > 0):
             raise InputError(
@@ -263,15 +258,11 @@ def _checked_history(
 
 def _is_elastic(laws: tuple[Foundation, Foundation]) -> bool:
     """Whether all elements are springs, for all that is known."""
-    if is_traced([law.law() for law in laws]):
-        return False
     return not any(law.moduli.size or float(law.viscosity) > 0 for law in laws)
 
 
 def _turns(given: Prescribed) -> bool:
     """Whether load and displacement are known to change together between instants."""
-    if is_traced((given.value, given.displacement)):
-        return False
     return bool(np.any(np.diff(given.value) * np.diff(given.displacement) != 0))
 
 
@@ -299,7 +290,7 @@ def _solved(
         # What is left of a force that has faded is the difference of what was carried
         # before.
         force = abs(sheared.force)
-        largest = _so_far(stop_gradient(force) if is_traced(force) else force)
+        largest = np.maximum.accumulate(force)
         error = change + sheared.missed + _ROUNDING * largest
     count, instants = given.time.shape[0], sheared.force.shape[0]
     chosen = np.append(0, np.arange(parts, instants, parts)[1 - count :])
@@ -323,18 +314,9 @@ def _marched(
     return on_jax(by_elements) if on_numpy() and work > _MUCH else by_elements()
 
 
-def _so_far(x: Any) -> Any:
-    """The largest entry up to each."""
-    if not is_traced(x):
-        return np.maximum.accumulate(x)
-    import jax
-
-    return jax.lax.cummax(x)
-
-
 def _summed(
     scene: ShearScene, history: Prescribed, sheared: Sheared, cut: _Cut
-) -> tuple[Sheared, Any]:
+) -> tuple[Sheared, Array]:
     """An elastic contact summed by Gauss' rule between the edges of stick and contact
     in `sheared`, and the error of F_x.
 
@@ -342,8 +324,7 @@ def _summed(
     from `sheared`, something other than those edges is not smooth (the points of a
     profile, say); `sheared` stays, with that distance as its error.
     """
-    numpy = xp if is_traced(sheared) else np
-    radii = numpy.concatenate([sheared.contact_radius, sheared.stick_radius])
+    radii = np.concatenate([sheared.contact_radius, sheared.stick_radius])
     rules = [
         panels(scene, radii, parts, nodes, cut.per_area)
         for parts, nodes in ((4, 6), (6, 4))
@@ -356,10 +337,10 @@ def _summed(
         contact_radius=sheared.contact_radius, stick_radius=sheared.stick_radius
     )
     error, distance = abs(best.force - other.force), abs(sheared.force - best.force)
-    better = numpy.max(error) <= numpy.max(distance)
-    error = error + _EDGES * numpy.max(abs(best.force))
+    better = np.max(error) <= np.max(distance)
+    error = error + _EDGES * np.max(abs(best.force))
     both = zip(best, sheared, strict=True)
-    return Sheared(*(numpy.where(better, a, b) for a, b in both)), numpy.where(
+    return Sheared(*(np.where(better, a, b) for a, b in both)), np.where(
         better, error, distance + sheared.missed
     )
 
@@ -369,33 +350,30 @@ def _with_early_instants(history: Prescribed) -> Prescribed:
     on all time scales.
     """
     (t0, t1), (v0, v1), (s0, s1) = (x[:2] for x in history)
-    numpy, fractions = xp if is_traced(history) else np, 0.2 ** np.arange(_EARLY, 0, -1)
+    fractions = 0.2 ** np.arange(_EARLY, 0, -1)
     more = (
         t0 + fractions * (t1 - t0),
         v0 + fractions * (v1 - v0),
         s0 + fractions * (s1 - s0),
     )
     return Prescribed(
-        *(
-            numpy.concatenate([x[:1], m, x[1:]])
-            for x, m in zip(history, more, strict=True)
-        )
+        *(np.concatenate([x[:1], m, x[1:]]) for x, m in zip(history, more, strict=True))
     )
 
 
 def _divided(history: Prescribed, parts: int) -> Prescribed:
     """More instants, evenly between those given."""
-    numpy, fractions = xp if is_traced(history) else np, np.arange(1, parts + 1) / parts
+    fractions = np.arange(1, parts + 1) / parts
 
-    def fill(x: Any) -> Any:
-        return numpy.concatenate(
-            [x[:1], (x[:-1, None] + numpy.diff(x)[:, None] * fractions).reshape(-1)]
+    def fill(x: Array) -> Array:
+        return np.concatenate(
+            [x[:1], (x[:-1, None] + np.diff(x)[:, None] * fractions).reshape(-1)]
         )
 
     return Prescribed(*map(fill, history))
 
 
-def _count(name: str, given: Any, usual: int, least: int) -> int:
+def _count(name: str, given: int | None, usual: int, least: int) -> int:
     if given is None:
         return usual
     whole_number(name, given, least, MOST_ELEMENTS)
@@ -403,15 +381,15 @@ def _count(name: str, given: Any, usual: int, least: int) -> int:
 
 
 def _scene(
-    shape: AbstractShape, laws: tuple[Foundation, Foundation], mu: Any, reach: Any
+    shape: AbstractShape, laws: tuple[Foundation, Foundation], mu: Array, reach: Array
 ) -> ShearScene:
     normal, tangential = (
         Relaxation(
-            *map(xp.asarray, (law.equilibrium, law.moduli, law.times, law.viscosity))
+            *map(np.asarray, (law.equilibrium, law.moduli, law.times, law.viscosity))
         )
         for law in laws
     )
-    return ShearScene(shape, normal, tangential, xp.asarray(mu), xp.asarray(reach))
+    return ShearScene(shape, normal, tangential, np.asarray(mu), np.asarray(reach))
 
 
 def _reach(
@@ -421,47 +399,28 @@ def _reach(
     name: str,
     history: Prescribed,
     elements: int,
-) -> Any:
+) -> Array:
     """A radius [m] that the contact does not exceed: at the greatest depth, or under
     the load after the whole time.
     """
     if isinstance(shape, FlatPunch):
-        return xp.asarray(shape.radius)
-    largest = xp.max(xp.asarray(history.value))
+        return np.asarray(shape.radius)
+    largest, disc = np.max(history.value), disc_under(shape, per_area)
     if name == "load":
-        creep = _creep(law, history.time[-1] - history.time[0])
-        largest = _elastic_depth(shape, per_area, largest * creep)
-    largest = xp.where(largest > 0, largest, 1e-9)
-    reach = disc_under(shape, per_area).radius_of_depth(largest)
-    limit = xp.asarray(shape.largest_contact)
-    return xp.minimum(
-        xp.where(xp.isnan(reach), limit, reach * elements / max(elements - 2, 1)),
+        creep = _creep(law, float(history.time[-1] - history.time[0]))
+        reach = disc.radius_of_area(np.asarray(largest * creep))
+    else:
+        reach = disc.radius_of_depth(np.asarray(largest))
+    reach = np.where(reach == 0, disc.radius_of_depth(np.asarray(1e-9)), reach)
+    limit = np.asarray(shape.largest_contact)
+    return np.minimum(
+        np.where(np.isnan(reach), limit, reach * elements / max(elements - 2, 1)),
         limit * (1 - 1e-12),
     )
 
 
-def _creep(law: Relaxation, span: Any) -> Any:
+def _creep(law: Relaxation, span: float) -> float:
+    """Compliance after a time [s]."""
     chain = to_kelvin(law)
-    numpy = xp if is_traced(chain, span) else np
-    retarded = numpy.sum(chain.compliances * -numpy.expm1(-span / chain.times))
-    return chain.instantaneous + retarded + span * chain.fluidity
-
-
-def _elastic_depth(shape: AbstractShape, per_area: bool, measure: Any) -> Any:
-    """Depth d with A(d) = `measure`, by bisection of its logarithm, rounded up: it is
-    used as a bound.
-    """
-    c, w, _ = gauss_unit(24)
-
-    def displaced(depth: Any) -> Any:
-        return depth * xp.sum(
-            2 * c * w * contact_measure(shape, depth * c**2, per_area)
-        )
-
-    _, high = bisect(
-        lambda log_depth: displaced(xp.exp(log_depth)) < measure,
-        xp.asarray(-140.0),
-        xp.asarray(140.0),
-        42,
-    )
-    return xp.exp(stop_gradient(high))
+    retarded = np.sum(chain.compliances * -np.expm1(-span / chain.times))
+    return float(chain.instantaneous + retarded + span * chain.fluidity)

@@ -30,8 +30,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, scan, stop_gradient, tree_map, xp
-from ..checks import Array, argmax, is_traced
+from ..arrays import compiled, scan, tree_map, xp
+from ..checks import Array, argmax
 from ..element.contact_step import (
     Coefficients,
     Pressed,
@@ -120,12 +120,11 @@ def cut(history: Prescribed, steps: int) -> tuple[ShearSteps, np.ndarray]:
     """A history in `steps` equal contact steps between two instants, and which of them
     end at the instants after the first.
     """
-    numpy = xp if is_traced(history) else np
-    rates = [numpy.diff(x) / steps for x in history]
-    h, rise, slide = (numpy.repeat(rate, steps) for rate in rates)
+    rates = [np.diff(x) / steps for x in history]
+    h, rise, slide = (np.repeat(rate, steps) for rate in rates)
     intervals = history.time.shape[0] - 1
     number = np.tile(np.arange(1, steps + 1), intervals)
-    value = numpy.repeat(history.value[:-1], steps) + number * rise
+    value = np.repeat(history.value[:-1], steps) + number * rise
     return ShearSteps(h, value, slide), steps * np.arange(1, intervals + 1) - 1
 
 
@@ -216,7 +215,6 @@ def panels(
     edges = xp.concatenate(
         [xp.zeros(1), xp.sort(xp.clip(radii, 0.0, scene.reach)), scene.reach[None]]
     )
-    edges = stop_gradient(edges)
     inner = edges[:-1, None] + xp.diff(edges)[:, None] * (np.arange(parts) / parts)
     x, dx = gauss_on_panels(xp.append(inner.reshape(-1), edges[-1]), nodes)
     return _grid(scene, x, dx, xp.asarray(xp.nan), per_area)
@@ -490,7 +488,7 @@ def _missed(parts: Array) -> Array:
     variation of their slope, with that at the axis and at the outer end: of a jump
     within an element half is missed, of a bend half as much as this.
     """
-    change = xp.diff(stop_gradient(parts))
+    change = xp.diff(parts)
     ends = xp.abs(change[:1]) + xp.abs(change[-1:]) if change.size else xp.zeros(1)
     return 0.25 * (xp.sum(xp.abs(xp.diff(change))) + ends[0])
 
