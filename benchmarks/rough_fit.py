@@ -282,7 +282,9 @@ def main() -> None:
     record["constants"], record["bound"] = multiscale.FORM._asdict(), bounds
     record["fitted anew"] = anew(points, form, shipped)
     record["left out by"] = {"surfaces": each[0], "materials": each[1]}
-    inside = multiscale.bound(em.Multiscale(), points.area, points.felt)
+    inside = multiscale.bound(
+        em.Multiscale().bound_terms(False), points.area, points.felt
+    )
     within = np.abs(worse) <= np.log1p(inside)
     held = {
         f"{slope}, {area}": float(np.mean(within[at & points.used]))
@@ -346,7 +348,9 @@ def draw(points: Points, off: np.ndarray) -> Any:
         ("em.Persson", em.Persson(), points.persson),
     )
     for axis, (name, model, found) in zip(axes, cases, strict=False):
-        far = multiscale.bound(model, area, multiscale.Felt(64.0, 100.0, 0.4, 0.2))
+        far = multiscale.bound(
+            model.bound_terms(False), area, multiscale.Felt(64.0, 100.0, 0.4, 0.2)
+        )
         axis.fill_between(
             100 * area, 1 / (1 + far), 1 + far, color="#1f5a94", alpha=0.12, lw=0,
             label="stated bound, m = 0.4",

@@ -304,7 +304,8 @@ class _ClosedIntegrals(SurfaceModel):
     ) -> Array | None:
         from .rough.multiscale import bound, felt
 
-        return bound(self, area, felt(foundation, surface, velocity), of_area)
+        terms = self.bound_terms(of_area)
+        return bound(terms, area, felt(foundation, surface, velocity))
 
     def why_wide(
         self,

@@ -238,7 +238,9 @@ def test_bound_covers_and_widens():
 
     def bound(area, **change):
         felt = usual._replace(**change)
-        return multiscale.bound(em.Multiscale(), np.asarray(area), felt)
+        return multiscale.bound(
+            em.Multiscale().bound_terms(False), np.asarray(area), felt
+        )
 
     area = np.array([1.0, 0.9, 0.1, 0.01])
     inside = bound(area)
@@ -252,7 +254,9 @@ def test_bound_covers_and_widens():
     )
     np.testing.assert_allclose(far, 2 * multiscale._DRIFT, rtol=1e-9)
     assert (bound(area[1:], contrast=1e4) > 1.5 * inside[1:]).all()
-    assert np.isnan(multiscale.bound(em.Persson(gamma=1.0), area, usual)).all()
+    assert np.isnan(
+        multiscale.bound(em.Persson(gamma=1.0).bound_terms(False), area, usual)
+    ).all()
     # where nothing like it was solved there is none
     for change in (
         {"ratio": 1.9},

@@ -26,6 +26,7 @@ Material: TypeAlias = (
 Materials: TypeAlias = "Material | Sequence[Material]"
 
 # A smooth body, and a rough surface.
+SteadyBody: TypeAlias = "Foundation | TabulatedFoundation"  # under a rough surface
 Indenter: TypeAlias = "AbstractShape"
 Surface: TypeAlias = "RoughLine | AbstractSpectrum"
 

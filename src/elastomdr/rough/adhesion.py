@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
     from .._types import ArrayLike, Number
+    from ..call.types import Indenter
 
 _DECADE = float(np.log(10.0))
 MOST_SHEAR = 1.0  # tau A/F_N above which the sum is no prediction (docs/rough.md)
@@ -141,7 +142,9 @@ class AdhesiveShear(Tree):
         return written(self)
 
 
-def check_adhesion(adhesion: Any, temperature: Any) -> None:
+def check_adhesion(
+    adhesion: AdhesiveShear | None, temperature: ArrayLike | None
+) -> None:
     """Raises `InputError` unless a shear law can be used, or none is given."""
     if adhesion is None:
         return
@@ -160,9 +163,9 @@ def check_adhesion(adhesion: Any, temperature: Any) -> None:
 def sheared(
     curve: FrictionCurve,
     adhesion: AdhesiveShear,
-    share: Any,
-    error: Any,
-    bound: Any,
+    share: Array,
+    error: Array | float,
+    bound: Array | float | None,
     area: str,
     **more: Any,
 ) -> FrictionCurve:
@@ -198,7 +201,9 @@ def sheared(
     )
 
 
-def _bounded(model_error: Any, added: Any, bound: Any) -> Any:
+def _bounded(
+    model_error: Array | None, added: Array, bound: Array | float | None
+) -> Array | None:
     """The bound of hysteresis and that of the area, NaN where the shear exceeds the
     pressure; None where none is.
     """
@@ -210,7 +215,7 @@ def _bounded(model_error: Any, added: Any, bound: Any) -> Any:
     return xp.where(added > MOST_SHEAR, xp.nan, total)
 
 
-def _no_prediction(curve: FrictionCurve, added: Any) -> tuple[Doubt, ...]:
+def _no_prediction(curve: FrictionCurve, added: Array) -> tuple[Doubt, ...]:
     """Where the shear exceeds the pressure, and from which real contact on."""
     if is_traced(added):
         return ()
@@ -233,7 +238,7 @@ def _no_prediction(curve: FrictionCurve, added: Any) -> tuple[Doubt, ...]:
 
 
 def on_contact(
-    curve: FrictionCurve, adhesion: AdhesiveShear, shape: Any, layer: bool
+    curve: FrictionCurve, adhesion: AdhesiveShear, shape: Indenter, layer: bool
 ) -> FrictionCurve:
     """`sheared` under a smooth body, on an area from its leading edge a and its
     trailing edge b on the central line.
@@ -275,7 +280,7 @@ def on_cells(curve: FrictionCurve, adhesion: AdhesiveShear) -> FrictionCurve:
     )
 
 
-def no_area(adhesion: Any, subject: str, instead: str) -> None:
+def no_area(adhesion: AdhesiveShear | None, subject: str, instead: str) -> None:
     """Refuses adhesion where no area of contact is known. Raises `InputError`."""
     if adhesion is not None:
         raise InputError(
@@ -285,7 +290,7 @@ def no_area(adhesion: Any, subject: str, instead: str) -> None:
 
 
 def why_hotter(
-    curve: FrictionCurve, cold_area: Any, cold_stress: Any
+    curve: FrictionCurve, cold_area: np.ndarray, cold_stress: np.ndarray
 ) -> tuple[tuple[str, str], ...]:
     """In words, why friction is higher on hot than on cold rubber, where it is.
 

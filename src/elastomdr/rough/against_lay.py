@@ -15,13 +15,17 @@ rule converges exponentially.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from ..arrays import namespace
-from .psd_integrals import Averages, Tables, moduli_table, read_columns
+from ..arrays import Array, namespace
+from .psd_integrals import Averages, Modulus, Tables, moduli_table, read_columns
 
+if TYPE_CHECKING:
+    from ..surface.lay import Lay
+
+Which: TypeAlias = "np.ndarray | slice"  # of the points
 _STEP, _STEPS = 0.5, 34  # of t, and how many on either side of zero
 _LEAST = np.exp(-2 * _STEP * _STEPS)  # cosine that is looked at
 _MOST = 4000  # frequencies that are averaged at once, each at all angles
@@ -30,20 +34,20 @@ _MOST = 4000  # frequencies that are averaged at once, each at all angles
 class Directed(NamedTuple):
     """A surface with a lay, and the direction of sliding at each point."""
 
-    lay: Any  # None where only a map knows directions
-    direction: Any  # angle to the lay [rad], (points,)
+    lay: Lay | None  # None where only a map knows directions
+    direction: Array  # angle to the lay [rad], (points,)
 
-    def of(self, points: Any) -> Directed:
+    def of(self, points: Which) -> Directed:
         """The same for some of the points."""
         return self._replace(direction=self.direction[points])
 
 
-def to_points(directed: Directed | None) -> Any:
+def to_points(directed: Directed | None) -> Array | None:
     """Its direction (1, points), as a number that need not be positive."""
     return None if directed is None else directed.direction[None]
 
 
-def of_points(lay: Any, direction: Any) -> Directed | None:
+def of_points(lay: Lay | None, direction: Array | None) -> Directed | None:
     """`Directed` of what `to_points` gave."""
     return None if direction is None else Directed(lay, direction[0])
 
@@ -51,13 +55,13 @@ def of_points(lay: Any, direction: Any) -> Directed | None:
 class Angles(NamedTuple):
     """Nodes over the directions of waves, (points, angles)."""
 
-    cosine: Any  # cos phi, positive
-    width: Any  # of int_0^2pi dphi
-    cos_square: Any  # of the angle to the lay, b
-    sin_square: Any
+    cosine: Array  # cos phi, positive
+    width: Array  # of int_0^2pi dphi
+    cos_square: Array  # of the angle to the lay, b
+    sin_square: Array
 
 
-def angles(direction: Any) -> Angles:
+def angles(direction: Array) -> Angles:
     """Nodes for motions at `direction` [rad] to the lay, (points,)."""
     xp = namespace(direction)
     t = _STEP * np.arange(-_STEPS, _STEPS + 1)
@@ -79,16 +83,16 @@ def angles(direction: Any) -> Angles:
     )
 
 
-def directed_table(modulus: Any, low: float, high: float, step: float) -> Tables:
+def directed_table(modulus: Modulus, low: float, high: float, step: float) -> Tables:
     """The moduli that `averages` asks for, at frequencies q v from `low` to `high`."""
     return moduli_table(modulus, low * _LEAST, high, step)
 
 
 def averages(
-    modulus: Any,
+    modulus: Modulus,
     table: Tables | None,
-    w: Any,
-    q: Any,
+    w: Array,
+    q: Array,
     directed: Directed,
     finer: float,
     parted: bool,
@@ -103,26 +107,32 @@ def averages(
         _averages(modulus, table, w[batch], q, directed.of(batch), finer, parted)
         for batch in (slice(i, i + size) for i in range(0, w.shape[0], size))
     ]
-    whole = zip(*parts, strict=True)
-    return Averages(*(None if x[0] is None else np.concatenate(x) for x in whole))
+    drag, stiffness, stiffer, lost = zip(*parts, strict=True)
+    return Averages(
+        np.concatenate(drag),
+        np.concatenate(stiffness),
+        np.concatenate(stiffer),
+        np.concatenate(lost) if parted else None,
+    )
 
 
 def _averages(
-    modulus: Any,
+    modulus: Modulus,
     table: Tables | None,
-    w: Any,
-    q: Any,
+    w: Array,
+    q: Array,
     directed: Directed,
     finer: float,
     parted: bool,
 ) -> Averages:
     xp = namespace(w, q, directed)
+    assert directed.lay is not None
     over = Angles(*(x[:, None, None] for x in angles(directed.direction)))
     weight = over.width * directed.lay.weight(
         xp.asarray(q)[..., None], over.cos_square, over.sin_square
     )
 
-    def moduli(w: Any) -> tuple[Any, Any]:
+    def moduli(w: Array) -> tuple[Any, Any]:
         """Im E* and |E*|^2 at each angle."""
         if table is None:
             value = modulus(w[..., None] * over.cosine)

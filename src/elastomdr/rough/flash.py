@@ -52,7 +52,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..element.law import Foundation
 from ..material.shift import thermal_factors
 from ..surface.spectrum import AbstractSpectrum
 from .heat import Heat, highest_rise
@@ -61,6 +60,8 @@ from .psd_integrals import share as contact_share
 
 if TYPE_CHECKING:
     from jaxtyping import Float
+
+    from ..call.types import SteadyBody
 
 _PER_DECADE = 8  # of v a_T, of the curve that is interpolated
 _WAVES = (
@@ -88,7 +89,7 @@ class Flash(NamedTuple):
 
 def warmed(
     heat: Heat,
-    foundation: Foundation,
+    foundation: SteadyBody,
     surface: AbstractSpectrum,
     velocity: np.ndarray,
     temperature: np.ndarray,
@@ -173,7 +174,7 @@ class _Group(NamedTuple):
     """Points of one pressure."""
 
     heat: Heat
-    foundation: Foundation
+    foundation: SteadyBody
     surface: AbstractSpectrum
     velocity: np.ndarray
     temperature: np.ndarray
@@ -350,10 +351,10 @@ class FlashScales(NamedTuple):
 
 
 def scales(
-    foundation: Any,
+    foundation: SteadyBody,
     surface: AbstractSpectrum,
     reduced: Float[np.ndarray, " n"],
-    pressure: Any,
+    pressure: float | np.ndarray,
 ) -> FlashScales:
     """Apparent contact share P and share s of the friction, by wave number, at v a_T
     and the nominal pressures.

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
     from .._types import ArrayLike, Number, Scalar
+    from ..call.types import SteadyBody
+    from ..checks import Array
 
 HIGHEST = 1000.0  # largest rise that is looked for [K]
 # of several temperatures at which friction and conduction agree
@@ -97,7 +99,7 @@ class Heat(Tree):
         if is_traced(self):
             return "conduction"
 
-        def of(one: Any, other: Any) -> str:
+        def of(one: Scalar, other: Scalar) -> str:
             return (
                 f"conductivity {one:.4g} W/(m K), heat capacity {other:.4g} J/(m^3 K)"
             )
@@ -205,7 +207,7 @@ def _jaeger(u: np.ndarray) -> np.ndarray:
     return np.where(u == 0, 0.0, np.where(u > 0, ahead, -behind))
 
 
-def _arrays(**values: Any) -> list[np.ndarray]:
+def _arrays(**values: ArrayLike) -> list[np.ndarray]:
     return list(
         np.broadcast_arrays(
             *(as_float64(name, value) for name, value in values.items())
@@ -214,7 +216,11 @@ def _arrays(**values: Any) -> list[np.ndarray]:
 
 
 def check_heat(
-    heat: Any, temperature: Any, branch: Any, traced: bool, by_scale: bool = False
+    heat: Heat | None,
+    temperature: ArrayLike | None,
+    branch: Branch,
+    traced: bool,
+    by_scale: bool = False,
 ) -> None:
     """Raises `InputError` unless flash temperature can be found, by scale or one for
     all, or is not asked for.
@@ -246,7 +252,7 @@ def check_heat(
         )
 
 
-def highest_rise(body: Any, temperature: Any) -> Any:
+def highest_rise(body: SteadyBody, temperature: Array) -> Any:
     """The largest rise to look for at each point [K]: that of a shift law's end above
     the body, or 1000 K.
     """
@@ -258,7 +264,9 @@ def highest_rise(body: Any, temperature: Any) -> Any:
     return np.clip(hottest * (1 - 1e-12) - np.asarray(temperature), 0.0, HIGHEST)
 
 
-def why_no_state(runaway: Any, body: Any, temperature: Any) -> list[tuple[str, str]]:
+def why_no_state(
+    runaway: np.ndarray, body: SteadyBody, temperature: np.ndarray
+) -> list[tuple[str, str]]:
     """A row for results with points at which friction makes more heat than is led away
     up to the highest rise.
     """

@@ -195,11 +195,13 @@ def factor(surface: AbstractSpectrum, model: Line) -> float:
     return scale * ratio**power * (_AVERAGED if model.average else 1.0)
 
 
-def missed(surface: AbstractSpectrum, model: Line) -> str | None:
+def missed(surface: Surface, model: Line) -> str | None:
     """What the line misses on a surface under a pressure, for a warning; None where
     that is little.
     """
     if is_traced(surface):
+        return None
+    if not isinstance(surface, AbstractSpectrum) or is_traced(surface):
         return None
     ratio = float(surface.q_high / surface.q_low)
     if ratio <= _SEEN:

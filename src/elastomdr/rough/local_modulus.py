@@ -16,14 +16,19 @@ of contact edges, strain and temperature are those of q_high.
 from __future__ import annotations
 
 import functools
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import namespace
+from ..arrays import Array, namespace
 from ..material.shift import thermal_factors
-from .against_lay import Directed
+from .against_lay import Directed, Which
 from .heat import highest_rise
+
+if TYPE_CHECKING:
+    from ..call.types import SteadyBody
+    from ..material.softening import Softening
+    from ..surface.spectrum import AbstractSpectrum
 
 _SEARCHED = 512  # wave numbers among which those of a strain are looked for
 _ONSET = 0.1  # c of `place_of`
@@ -36,11 +41,11 @@ _NEAREST = 1e-6
 class SoftenedByScale(NamedTuple):
     """Softening on a surface."""
 
-    softening: Any  # em.Softening
-    spectrum: Any
-    share: Any  # strain over rms slope
+    softening: Softening
+    spectrum: AbstractSpectrum
+    share: Array  # strain over rms slope
 
-    def strain(self, q: Any) -> Any:
+    def strain(self, q: Array) -> Any:
         """Amplitude of strain at wave numbers q [rad/m], any shape."""
         xp = namespace(q, self.spectrum.q, self.spectrum.c, self.share)
         square = 2 * np.pi * self.spectrum.moment(3, None, q)
@@ -70,16 +75,16 @@ class Warmed(NamedTuple):
     station.
     """
 
-    ends: Any  # log q_low and log q_high (2,)
-    rise: Any  # at the stations, `log_stations` (points, stations) [K]
-    temperature: Any  # of the body (points,)
-    body: Any  # the foundation, with its shift laws
+    ends: Array  # log q_low and log q_high (2,)
+    rise: Array  # at the stations, `log_stations` (points, stations) [K]
+    temperature: Array  # of the body (points,)
+    body: SteadyBody  # with its shift laws
 
     def log_q(self) -> Any:
         """Where the stations are."""
         return log_stations(self.rise.shape[1], self.ends)
 
-    def at(self, q: Any) -> Any:
+    def at(self, q: Array) -> Any:
         """The rise [K] at wave numbers q (...), in the shape (points, ...); that of
         q_high beyond it.
         """
@@ -90,7 +95,7 @@ class Warmed(NamedTuple):
         rise = xp.clip(rise, 0.0, np.reshape(highest, (-1, 1)))
         return rise.reshape(self.rise.shape[0], *np.shape(q))
 
-    def factors(self, rise: Any) -> tuple[Any, Any]:
+    def factors(self, rise: Array) -> tuple[Any, Any]:
         """a_T and b_T at rises (points, ...), over those at the body's temperature."""
         temperature = self.temperature.reshape(-1, *[1] * (rise.ndim - 1))
         (a, b), (a_0, b_0) = (
@@ -116,7 +121,7 @@ class Local(NamedTuple):
             self.warmed is not None and self.warmed.body.vertical is not None
         )
 
-    def of(self, points: Any) -> Local:
+    def of(self, points: Which) -> Local:
         """The same for some of the points."""
         local, warm = self, self.warmed
         if warm is not None:
@@ -128,7 +133,7 @@ class Local(NamedTuple):
             local = local._replace(directed=self.directed.of(points))
         return local
 
-    def at(self, q: Any) -> tuple[Any, Any, Any]:
+    def at(self, q: Array) -> tuple[Any, Any, Any]:
         """Factors at wave numbers q (cells, 2) or one: on the velocity, on the storage
         and on the loss modulus.
 
@@ -173,7 +178,7 @@ class Local(NamedTuple):
         )
 
 
-def place_of(log_q: Any, ends: Any) -> Any:
+def place_of(log_q: Array, ends: Array) -> Any:
     """The place of log q between q_low and q_high, from 0 to 1, held beyond them.
 
     With u the share of the way from log q_low to log q_high the place s has u = (1 + c)
@@ -189,7 +194,7 @@ def place_of(log_q: Any, ends: Any) -> Any:
     return xp.sqrt(0.5 * (u + xp.sqrt(u * (u + 4 * _ONSET))))
 
 
-def log_stations(count: int, ends: Any) -> Any:
+def log_stations(count: int, ends: Array) -> Any:
     """log q of stations at even places, 1/count to 1."""
     square = (np.arange(1, count + 1) / count) ** 2
     return ends[0] + (ends[1] - ends[0]) * (
@@ -222,7 +227,7 @@ def _splines(count: int) -> np.ndarray:
     return (scales * np.stack([cubic, second[:-1] / 2, slope, values[:-1]]))[..., 1:]
 
 
-def basis(count: int, place: Any) -> Any:
+def basis(count: int, place: Array) -> Any:
     """Values at places (n,) of the cubic splines, zero at place 0, that are 1 at one
     station and 0 at the others.
 

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import on_jax
+from ..arrays import Array, on_jax
+from ..models import SurfaceModel
 from .local_modulus import Local
 from .psd_integrals import Nodes, Tables
 
@@ -33,14 +34,27 @@ def worth_compiling(count: int, local: Local) -> bool:
 
 
 def friction_and_area(
-    model: Any, wave_nodes: Nodes, table: Tables, velocity: Any, pressure: Any
+    model: SurfaceModel,
+    wave_nodes: Nodes,
+    table: Tables,
+    velocity: Array,
+    pressure: Array,
 ) -> tuple[np.ndarray, np.ndarray]:
     """mu and area of real contact at points (velocity [m/s], pressure [Pa]), flat."""
     return on_jax(_in_batches, model, wave_nodes, table, velocity, pressure)
 
 
+def _untabled(omega: Array) -> Array:
+    """The moduli stand in a table."""
+    raise NotImplementedError
+
+
 def _in_batches(
-    model: Any, wave_nodes: Nodes, table: Tables, velocity: Any, pressure: Any
+    model: SurfaceModel,
+    wave_nodes: Nodes,
+    table: Tables,
+    velocity: Array,
+    pressure: Array,
 ) -> tuple[Any, Any]:
     import jax
 
@@ -58,12 +72,14 @@ def _in_batches(
 
 
 @functools.lru_cache(maxsize=8)
-def _program(model: Any, step: float, first: int) -> Any:
+def _program(model: SurfaceModel, step: float, first: int) -> Any:
     import jax
 
-    def evaluate(wave_nodes: Nodes, cubics: Any, velocity: Any, pressure: Any) -> Any:
+    def evaluate(
+        wave_nodes: Nodes, cubics: np.ndarray, velocity: Array, pressure: Array
+    ) -> Any:
         table = Tables(step, first, cubics)
-        waves = model.waves(None, wave_nodes, velocity, pressure, table, Local())
+        waves = model.waves(_untabled, wave_nodes, velocity, pressure, table, Local())
         return waves.each.sum((-2, -1)) + waves.edges, waves.area
 
     return jax.jit(evaluate)

@@ -41,16 +41,19 @@ Exact in full contact; for small loss mu is linear in the loss, and for p -> 0 i
 not depend on p, for D goes with 1/p at all waves.
 """
 
+from __future__ import annotations
+
 import functools
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import namespace, stop_gradient, xp
+from ..arrays import Array, namespace, stop_gradient, xp
 from ..checks import is_traced, known
+from ..element.law import TabulatedFoundation
 from ..material.tabulated import LEFT_OUT
-from ..models import SurfaceFriction
+from ..models import SurfaceFriction, SurfaceModel
 from ..numerics.implicit import as_doubles, numbers_with_slopes
 from ..numerics.interpolation import hermite
 from ..numerics.quadrature import gauss
@@ -61,6 +64,7 @@ from .many_points import friction_and_area, worth_compiling
 from .psd_integrals import (
     PER_DECADE,
     Averages,
+    Modulus,
     Nodes,
     Tables,
     cell_counts,
@@ -75,6 +79,11 @@ from .psd_integrals import (
     spread_of,
     tables,
 )
+
+if TYPE_CHECKING:
+    from .._types import Scalar
+    from ..call.types import SteadyBody
+    from ..surface.spectrum import AbstractSpectrum
 
 _BATCH = 64  # points that are held in memory at once
 _FINEST = 32 * PER_DECADE
@@ -103,18 +112,18 @@ FORM = Form(0.52, 0.42, 1.34, 0.57, 0.265, 0.865, 0.82)
 class ContactAndFriction(NamedTuple):
     """Answers at each point."""
 
-    mu: Any
-    area: Any  # real contact area over nominal area
-    error: Any  # numerical error of mu
-    area_error: Any
+    mu: Array
+    area: Array  # real contact area over nominal area
+    error: Array  # numerical error of mu
+    area_error: Array
 
 
 def solve(
-    modulus: Any,
-    spectrum: Any,
-    velocity: Any,
-    pressure: Any,
-    model: Any,
+    modulus: Modulus,
+    spectrum: AbstractSpectrum,
+    velocity: Array,
+    pressure: Array,
+    model: SurfaceModel,
     rtol: float,
     local: Local = _LINEAR,
 ) -> ContactAndFriction:
@@ -127,7 +136,7 @@ def solve(
     no more memory should be spent.
     """
 
-    def evaluated(points: Any, per_decade: int) -> Any:
+    def evaluated(points: np.ndarray, per_decade: int) -> Any:
         return _in_batches(
             modulus,
             spectrum,
@@ -156,7 +165,7 @@ def solve(
     return ContactAndFriction(mu, area, error, area_error)
 
 
-def _error(fine: Any, coarse: Any, coarsest: Any) -> Any:
+def _error(fine: Array, coarse: Array, coarsest: Array) -> Any:
     """Half the last change, or an eighth of that before if more: of second order, as
     where a table's cubics meet.
     """
@@ -164,11 +173,11 @@ def _error(fine: Any, coarse: Any, coarsest: Any) -> Any:
 
 
 def _in_batches(
-    modulus: Any,
-    spectrum: Any,
-    velocity: Any,
-    pressure: Any,
-    model: Any,
+    modulus: Modulus,
+    spectrum: AbstractSpectrum,
+    velocity: Array,
+    pressure: Array,
+    model: SurfaceModel,
     per_decade: int,
     local: Local,
 ) -> Any:
@@ -195,7 +204,7 @@ def _in_batches(
     return tuple(np.concatenate(columns)[back] for columns in zip(*out, strict=True))
 
 
-def bends(spectrum: Any, local: Local) -> list[Any]:
+def bends(spectrum: AbstractSpectrum, local: Local) -> list[Any]:
     """Wave numbers at which an integrand may bend: where P(q e^a) becomes that at
     q_high, and where factors of the moduli do, if nothing is traced.
     """
@@ -204,11 +213,11 @@ def bends(spectrum: Any, local: Local) -> list[Any]:
 
 
 def table_of(
-    modulus: Any, wave_nodes: Nodes, velocity: Any, per_decade: int, local: Local
+    modulus: Modulus, wave_nodes: Nodes, velocity: Array, per_decade: int, local: Local
 ) -> Tables:
     """Averages for all that points at these velocities ask for."""
-    low = velocity.min() * wave_nodes.q.min() * local.slowest()
-    high = velocity.max() * wave_nodes.end * _BEYOND
+    low = float(velocity.min() * wave_nodes.q.min() * local.slowest())
+    high = float(velocity.max() * wave_nodes.end * _BEYOND)
     step = np.log(10.0) / per_decade
     if local.directed is not None:
         return against_lay.directed_table(modulus, low, high * np.exp(FORM.finer), step)
@@ -216,12 +225,12 @@ def table_of(
 
 
 def _evaluate(
-    modulus: Any,
+    modulus: Modulus,
     wave_nodes: Nodes,
-    velocity: Any,
-    pressure: Any,
-    model: Any,
-    table: Any,
+    velocity: Array,
+    pressure: Array,
+    model: SurfaceModel,
+    table: Tables | None,
     local: Local,
 ) -> tuple[Any, Any]:
     """mu and area of real contact at each point."""
@@ -232,29 +241,31 @@ def _evaluate(
 class Waves(NamedTuple):
     """Where on the scale of lengths a surface is in contact and loses energy."""
 
-    each: Any  # friction of each node (points, cells, 2)
-    edges: Any  # friction of the waves beyond q_high (points,)
-    rate: Any  # dR/dlog q, of which the shares of contact are made
-    stiffer: Any  # by what factor contacts feel a larger |E*|^2, its log
-    area: Any  # of real contact
+    each: Array  # friction of each node (points, cells, 2)
+    edges: Array  # friction of the waves beyond q_high (points,)
+    rate: Array  # dR/dlog q, of which the shares of contact are made
+    stiffer: Array  # by what factor contacts feel a larger |E*|^2, its log
+    area: Array  # of real contact
 
 
-def contact(rate: Any, gamma: float, stored: bool, stiffer: Any = 0.0) -> Any:
+def contact(
+    rate: Array, gamma: float, stored: bool, stiffer: Array | float = 0.0
+) -> Any:
     """The share of contact from R, and from the log of how much stiffer contacts are
     than their wave.
     """
     return share(_spread(spread_of(rate, gamma, stored), stiffer))
 
 
-def _spread(plain: Any, stiffer: Any) -> Any:
+def _spread(plain: Array, stiffer: Array | float) -> Array:
     """G from G_0."""
     return plain * namespace(plain, stiffer).exp((1 - share(plain)) * stiffer)
 
 
 def averages_of(
-    modulus: Any,
-    velocity: Any,
-    q: Any,
+    modulus: Modulus,
+    velocity: Array,
+    q: Array,
     table: Tables | None,
     local: Local = _LINEAR,
     finer: float = 0.0,
@@ -281,9 +292,9 @@ def averages_of(
 
 
 def _stiffer(
-    modulus: Any,
-    velocity: Any,
-    q: Any,
+    modulus: Modulus,
+    velocity: Array,
+    q: Array,
     table: Tables | None,
     local: Local,
     finer: float,
@@ -300,24 +311,24 @@ def _stiffer(
     return read_stiffer(table, namespace(w).log(w))
 
 
-def _frequency(velocity: Any, q: Any, speed: Any) -> Any:
+def _frequency(velocity: Array, q: Array, speed: Array) -> Any:
     """q v at nodes (points, cells, 2), with the factor of `Local.at` on v."""
     w = velocity[:, None, None] * q
     return w if speed is None else w * speed
 
 
-def rate_of(wave_nodes: Nodes, stiffness: Any, pressure: Any) -> Any:
+def rate_of(wave_nodes: Nodes, stiffness: Array | float, pressure: Array) -> Array:
     """dR/dlog q = q^4 C stiffness/(8 p^2), R the integral of G without S."""
     return wave_nodes.power * stiffness / (8 * pressure**2)
 
 
 def waves_of_persson(
-    modulus: Any,
+    modulus: Modulus,
     wave_nodes: Nodes,
-    velocity: Any,
-    pressure: Any,
+    velocity: Array,
+    pressure: Array,
     energy_factor: tuple[float, bool],
-    table: Any,
+    table: Tables | None,
     local: Local,
 ) -> Waves:
     """Friction wave by wave, by Persson's theory; none of contact edges."""
@@ -333,10 +344,10 @@ def waves_of_persson(
 
 
 def waves_of_multiscale(
-    modulus: Any,
+    modulus: Modulus,
     wave_nodes: Nodes,
-    velocity: Any,
-    pressure: Any,
+    velocity: Array,
+    pressure: Array,
     table: Tables | None = None,
     local: Local = _LINEAR,
     form: Form = FORM,
@@ -345,7 +356,7 @@ def waves_of_multiscale(
     p = pressure[:, None, None]
     speeds, each_point = _distinct(velocity, local)
 
-    def summed(values: Any) -> Any:
+    def summed(values: Array) -> Any:
         return (values * wave_nodes.weight).sum((-2, -1))
 
     xp = namespace(speeds, wave_nodes.q)
@@ -410,8 +421,8 @@ def waves_of_multiscale(
 
 def _averages_at(
     q: tuple[Any, Any, Any],
-    modulus: Any,
-    speeds: Any,
+    modulus: Modulus,
+    speeds: Array,
     table: Tables | None,
     local: Local,
     finer: float,
@@ -430,17 +441,24 @@ def _averages_at(
     averages = averages_of(modulus, speeds, whole, table, local, finer)
     ends = np.cumsum([x.size for x in q])
 
-    def part(i: int, values: Any) -> Any:
+    def part(i: int, values: Array) -> Any:
         values = values[:, ends[i] - q[i].size : ends[i]]
         return values.reshape(-1, *q[i].shape)
 
-    on, after = (
-        Averages(*(None if x is None else part(i, x) for x in averages)) for i in (0, 1)
-    )
-    return on, after, part(2, averages.stiffer)
+    drag, stiffness, stiffer, lost = averages
+
+    def averages_at(i: int) -> Averages:
+        return Averages(
+            part(i, drag),
+            part(i, stiffness),
+            part(i, stiffer),
+            None if lost is None else part(i, lost),
+        )
+
+    return averages_at(0), averages_at(1), part(2, averages.stiffer)
 
 
-def _distinct(velocity: Any, local: Local) -> tuple[Any, Callable[[Any], Any]]:
+def _distinct(velocity: Array, local: Local) -> tuple[Any, Callable[[Any], Any]]:
     """The velocities that differ, and what turns values at these into values at each
     point: all velocities, and nothing, where points differ in more.
     """
@@ -453,13 +471,13 @@ def _distinct(velocity: Any, local: Local) -> tuple[Any, Callable[[Any], Any]]:
     return speeds, lambda values: values[which]
 
 
-def real_area(shares: Any) -> Any:
+def real_area(shares: Array) -> Any:
     """A of the share of contact P at q_high."""
     return shares + 0.25 * shares**3 * (1 - shares)
 
 
 def _later(
-    wave_nodes: Nodes, rate: Any, variance: Any, end: tuple[Any, Any], log: Any
+    wave_nodes: Nodes, rate: Array, variance: Array, end: tuple[Any, Any], log: Array
 ) -> Any:
     """R at log(q/q_low) (cells, 2) up to q_high: its logarithm by cubics with its
     slopes; `end` is R and dR/dlog q at q_high.
@@ -475,7 +493,7 @@ def _later(
     return xp.exp(inside).reshape(rate.shape)
 
 
-def _variance(spread: Any, shares: Any) -> Any:
+def _variance(spread: Array, shares: Array) -> Any:
     """<p^2>/p^2 - 1 of Persson's distribution of pressures."""
     xp = namespace(spread, shares)
     tail = 2 * xp.sqrt(spread / np.pi) * xp.exp(-0.25 / spread)
@@ -500,11 +518,11 @@ WORK = (
 
 
 def friction(
-    model: Any,
-    foundation: Any,
-    surface: Any,
-    velocity: Any,
-    pressure: Any,
+    model: SurfaceModel,
+    foundation: SteadyBody,
+    surface: AbstractSpectrum,
+    velocity: Array,
+    pressure: Array,
     local: Local,
     rtol: float,
     progress: Callable[[int, int], None] | None,
@@ -528,82 +546,108 @@ def friction(
     )
 
 
+class _RoadShared(NamedTuple):
+    """What all points of a call on a road share, for `_with_slopes`."""
+
+    foundation: SteadyBody
+    surface: AbstractSpectrum
+    share: Array | None  # strain over rms slope, of a softening
+    ends: Array | None  # of `Warmed`
+
+
+class _RoadPoints(NamedTuple):
+    """What each point has of its own; the last axis is that of the points."""
+
+    velocity: Array
+    pressure: Array
+    direction: Array | None
+    temperature: Array | None
+    rise: Array | None
+
+
 def _taken_apart(
-    foundation: Any, surface: Any, velocity: Any, pressure: Any, local: Local
-) -> tuple[Any, Any]:
-    """What all points share, and what each has of its own, for `_with_slopes`."""
-    share = None if local.softened is None else local.softened.share
+    foundation: SteadyBody,
+    surface: AbstractSpectrum,
+    velocity: Array,
+    pressure: Array,
+    local: Local,
+) -> tuple[_RoadShared, _RoadPoints]:
+    softened, warmed = local.softened, local.warmed
+    share = None if softened is None else softened.share
+    ends = temperature = rise = None
+    if warmed is not None:
+        ends, temperature = warmed.ends, warmed.temperature
+        rise = xp.transpose(warmed.rise)
     direction = against_lay.to_points(local.directed)
-    if local.warmed is None:
-        points = velocity, pressure, direction
-        return as_doubles(((foundation, surface, share, None), points))
-    warmed = local.warmed
-    shared = foundation, surface, share, warmed.ends
-    points = (
-        velocity,
-        pressure,
-        direction,
-        warmed.temperature,
-        xp.transpose(warmed.rise),
-    )
+    shared = _RoadShared(foundation, surface, share, ends)
+    points = _RoadPoints(velocity, pressure, direction, temperature, rise)
     return as_doubles((shared, points))
 
 
-def _put_together(shared: Any, points: Any) -> tuple[Any, Any, Local]:
+def _local(shared: _RoadShared, points: _RoadPoints) -> Local:
     foundation, surface, share, ends = shared
     softened = warmed = None
-    directed = against_lay.of_points(lay_of(surface), points[2])
+    directed = against_lay.of_points(lay_of(surface), points.direction)
     if share is not None:
+        assert foundation.softening is not None
         softened = SoftenedByScale(foundation.softening, surface, share)
     if ends is not None:
-        temperature, rise = points[3:]
-        warmed = Warmed(ends, rise.T, temperature, foundation)
-    return foundation, surface, Local(softened, warmed, directed)
+        assert points.rise is not None
+        assert points.temperature is not None
+        warmed = Warmed(ends, points.rise.T, points.temperature, foundation)
+    return Local(softened, warmed, directed)
 
 
 @functools.lru_cache(64)
 def _with_slopes(
-    model: Any, rtol: float, counts: tuple[int, ...]
+    model: SurfaceModel, rtol: float, counts: tuple[int, ...]
 ) -> Callable[..., SurfaceFriction]:
     """`friction` under a transformation of JAX, of what `_taken_apart` gives: numbers
     from NumPy, derivatives of the same integrals on `counts` cells.
     """
 
-    def numbers(shared: Any, points: Any) -> tuple[Any, ...]:
-        foundation, surface, local = _put_together(shared, points)
-        velocity, pressure = points[:2]
+    def numbers(shared: _RoadShared, points: _RoadPoints) -> tuple[Any, ...]:
+        local, (velocity, pressure, *_) = _local(shared, points), points
         solved = friction(
-            model, foundation, surface, velocity, pressure, local, rtol, None
+            model,
+            shared.foundation,
+            shared.surface,
+            velocity,
+            pressure,
+            local,
+            rtol,
+            None,
         )
         return solved.mu, solved.area, solved.error, solved.good, solved.area_error
 
-    def integrals(shared: Any, points: Any) -> tuple[Any, Any]:
-        foundation, surface, local = _put_together(shared, points)
-        velocity, pressure = points[:2]
-        wave_nodes = nodes(surface, _TRACED, bends(surface, local), counts)
-        modulus = foundation.complex_modulus
+    def integrals(shared: _RoadShared, points: _RoadPoints) -> tuple[Any, Any]:
+        local, (velocity, pressure, *_) = _local(shared, points), points
+        wave_nodes = nodes(
+            shared.surface, _TRACED, bends(shared.surface, local), counts
+        )
+        modulus = shared.foundation.complex_modulus
         return _evaluate(modulus, wave_nodes, velocity, pressure, model, None, local)
 
-    def like(shared: Any, points: Any) -> tuple[Any, ...]:
-        return (points[0],) * 5
+    def like(shared: _RoadShared, points: _RoadPoints) -> tuple[Any, ...]:
+        return (points.velocity,) * 5
 
     solve = numbers_with_slopes(numbers, ((integrals, 2),), like)
     return lambda shared, points: SurfaceFriction(*solve(shared, points))
 
 
 def table_error(
-    model: Any,
-    foundation: Any,
-    surface: Any,
-    velocity: Any,
-    pressure: Any,
+    model: SurfaceModel,
+    foundation: SteadyBody,
+    surface: AbstractSpectrum,
+    velocity: Array,
+    pressure: Array,
     local: Local,
-    mu: Any,
+    mu: Array,
 ) -> Any:
     """Error of mu by the interpolation of a table of moduli, from the friction of its
     halves, which one level of cells gives well enough; 0 for a series.
     """
-    if not hasattr(foundation, "thinned") or is_traced(foundation):
+    if not isinstance(foundation, TabulatedFoundation) or is_traced(foundation):
         return 0.0
     change = np.zeros_like(mu)
     for half in foundation.thinned():
@@ -633,15 +677,15 @@ _NEAR_END = np.geomspace(0.1, 2.0, 7)  # wave numbers over q_high whose losses c
 class Felt(NamedTuple):
     """What the distance from three dimensions depends on beside the contact."""
 
-    ratio: Any  # q_high/q_low
-    contrast: Any  # |E*| at q_high v over that at q_low v
+    ratio: Scalar  # q_high/q_low
+    contrast: Array  # |E*| at q_high v over that at q_low v
     # m, the rms of dlog(Im E*/|E*|^2)/dlog q over the waves about q_high: small for
     # rubber with a broad spectrum, 1 beyond the peak of a single relaxation
-    steep: Any
-    slope: Any  # dlog(Im E*)/dlog q, the mean over the same waves
+    steep: Array
+    slope: Array  # dlog(Im E*)/dlog q, the mean over the same waves
 
 
-def felt(foundation: Any, surface: Any, velocity: Any) -> Felt:
+def felt(foundation: SteadyBody, surface: AbstractSpectrum, velocity: Array) -> Felt:
     """`Felt` at velocities [m/s]."""
     modulus = foundation.complex_modulus(
         velocity[..., None] * (surface.q_high * _NEAR_END)
@@ -667,22 +711,21 @@ def bound_terms(label: str, of_area: bool) -> tuple[float, float, float]:
     return _AREA_BOUND if of_area else _BOUND[label]
 
 
-def bound(model: Any, area: Any, felt: Felt, of_area: bool = False) -> Any:
-    """Bound on mu's relative distance from three dimensions, for 95 % of points alike,
-    or `of_area` on A's.
+def bound(terms: tuple[float, float, float] | None, area: Array, felt: Felt) -> Array:
+    """Bound on the relative distance of mu, or of A, from three dimensions, for 95 % of
+    points alike, by its `bound_terms`.
 
     Beyond the largest cutoff ratio in three dimensions what friction may drift is
     added, decade by decade. Where the contrast of the moduli is larger than there, the
     rest is wider by a factor of 1 + log10 of how many times. NaN where nothing like it
     was solved, or it is not known for the options of the model.
     """
-    terms = model.bound_terms(of_area)
     if terms is None:
         return area + np.nan
     a, b, c = terms
     xp = namespace(area, *felt)
 
-    def decades(x: Any) -> Any:
+    def decades(x: Array | Scalar) -> Array:
         return xp.log10(xp.maximum(x, 1.0))
 
     inside = xp.sqrt(1 - xp.minimum(area, 1.0))
@@ -698,7 +741,9 @@ def bound(model: Any, area: Any, felt: Felt, of_area: bool = False) -> Any:
     return xp.where(solved, whole, np.nan)
 
 
-def why_wide(foundation: Any, surface: Any, velocity: Any) -> list[str]:
+def why_wide(
+    foundation: SteadyBody, surface: AbstractSpectrum, velocity: Array
+) -> list[str]:
     """What makes the bound wide at points, or leaves them without one, and what would
     make it smaller, in words.
     """

@@ -8,16 +8,19 @@ load, as of a random map (`rough.random_maps`). Its edges are made to meet by
 with a lay, over x and y on a map without one.
 """
 
+from __future__ import annotations
+
 import itertools
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import InputError
-from ..models import SurfaceFriction
-from ..surface.height_map import PeriodicMap
+from ..models import HalfSpace, SurfaceFriction
+from ..surface.height_map import HeightMap, PeriodicMap
 from ..surface.lay import lay_of
+from ..surface.topography import MeasuredSurface
 from .against_lay import Directed
 from .random_maps import (
     LARGEST,
@@ -29,6 +32,9 @@ from .random_maps import (
     unsolved_words,
 )
 from .random_maps import friction as on_random_maps
+
+if TYPE_CHECKING:
+    from ..surface.spectrum import AbstractSpectrum
 
 _SAMPLED = {True: (0.0, 0.25, 0.5, 0.75), False: (0.0, 0.5)}  # with a lay, without [pi]
 
@@ -42,9 +48,9 @@ Run = Callable[[Any, float | None], SurfaceFriction]
 
 
 def friction(
-    model: Any,
+    model: HalfSpace,
     modulus: Callable[[Any], Any],
-    surface: Any,
+    surface: AbstractSpectrum,
     velocity: np.ndarray,
     pressure: np.ndarray,
     directed: Directed | None,
@@ -56,7 +62,7 @@ def friction(
     on_measured, has_lay = model.on_map(surface), lay_of(surface) is not None
     sampled: list[np.ndarray | None] = [None]
     if directed is not None:
-        sampled = [directed.direction]
+        sampled = [np.asarray(directed.direction)]
     elif on_measured or has_lay:
         sampled = [np.full(velocity.shape, np.pi * turn) for turn in _SAMPLED[has_lay]]
     maps = 1 if on_measured else len(seeds)
@@ -69,9 +75,9 @@ def friction(
 
     if on_measured:
         grid = cells_of(surface, model.cells)
-        whole = surface.map.periodic(grid)
+        whole = _map_of(surface).periodic(grid)
 
-        def run(batch: Any, direction: float | None) -> SurfaceFriction:
+        def run(batch: np.ndarray, direction: float | None) -> SurfaceFriction:
             given = velocity[batch], pressure[batch]
             return _on_measured(
                 modulus, surface, whole, *given, direction or 0.0, rtol, tick
@@ -80,7 +86,7 @@ def friction(
     else:
         square = grid_of(surface, model.cells, model.periods)
 
-        def run(batch: Any, direction: float | None) -> SurfaceFriction:
+        def run(batch: np.ndarray, direction: float | None) -> SurfaceFriction:
             given = velocity[batch], pressure[batch]
             return on_random_maps(
                 modulus, surface, *given, square, seeds, rtol, tick, direction
@@ -124,11 +130,17 @@ def _mean(each: list[SurfaceFriction], has_lay: bool) -> SurfaceFriction:
     return SurfaceFriction(mu, area, error, good, area_error, remark)
 
 
-def cells_of(surface: Any, cells: int | None) -> tuple[int, int]:
+def _map_of(surface: AbstractSpectrum) -> HeightMap:
+    assert isinstance(surface, MeasuredSurface)
+    assert surface.map is not None
+    return surface.map
+
+
+def cells_of(surface: AbstractSpectrum, cells: int | None) -> tuple[int, int]:
     """Cells along both sides of the measured map, `cells` along the longer one if
     given. Raises `InputError` where they do not hold it, or are too many.
     """
-    least = surface.map.least_cells()
+    least = _map_of(surface).least_cells()
     longer = max(least)
     if cells is None:
         if longer > LARGEST:
@@ -149,7 +161,7 @@ def cells_of(surface: Any, cells: int | None) -> tuple[int, int]:
 
 def _on_measured(
     modulus: Callable[[Any], Any],
-    surface: Any,
+    surface: AbstractSpectrum,
     whole: PeriodicMap,
     velocity: np.ndarray,
     pressure: np.ndarray,
@@ -161,7 +173,7 @@ def _on_measured(
     none.
     """
     lay, side = lay_of(surface), float(np.sqrt(np.prod(whole.sides)))
-    periods = max(1, round(side * surface.q_low / (2 * np.pi)))
+    periods = max(1, round(side * float(surface.q_low) / (2 * np.pi)))
     directed = None
     if lay is not None:
         directed = Directed(lay, np.full(velocity.shape, direction))
@@ -182,7 +194,7 @@ def _on_measured(
         least=LEAST_SUMMITS,
     )
     good = np.isfinite(solved.mu) & (enough >= LEAST_SUMMITS)
-    cells, cut = " by ".join(map(str, whole.height.shape)), surface.map.cut
+    cells, cut = " by ".join(map(str, whole.height.shape)), _map_of(surface).cut
     shortest = "" if cut is None else f" with waves down to {2 * np.pi / cut:.3g} m"
     remark = (
         f"the measured map on {cells} cells{shortest}, its edges made to meet by taking "
@@ -220,7 +232,7 @@ def _at_seams(whole: PeriodicMap, angle: float) -> float:
     return max(float(np.mean(slope**2) / np.mean(inside**2)) - 1.0, 0.0)
 
 
-def work(surface: Any, cells: int | None) -> tuple[str, str]:
+def work(surface: AbstractSpectrum, cells: int | None) -> tuple[str, str]:
     """What is computed on the measured map and what is left out, in words."""
     along = " by ".join(map(str, cells_of(surface, cells)))
     return (

@@ -26,15 +26,25 @@ the points of the spectrum, where it may bend, and get shorter towards q_low, wh
 falls from 1.
 """
 
+from __future__ import annotations
+
 import functools
 import itertools
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from ..arrays import namespace
+from ..arrays import Array, namespace
 from ..numerics.interpolation import even_cubics, hermite, interval_of
 from ..numerics.quadrature import gauss, gauss_unit
+
+if TYPE_CHECKING:
+    from .._types import ComplexArray
+    from ..surface.spectrum import AbstractSpectrum
+
+# E*(omega) [Pa] at omega [rad/s], any shape
+Modulus: TypeAlias = "Callable[[Array], ComplexArray]"
 
 PER_DECADE = 32  # cells of log q that a solution begins with
 _COARSEST = PER_DECADE // 4  # and those of the coarser of two that it is compared with
@@ -49,22 +59,24 @@ _DIRECT = 128  # the same, where each frequency has an average of its own
 class Nodes(NamedTuple):
     """Nodes of Gauss' rule over log q: two in each cell."""
 
-    q: Any  # wave numbers (cells, 2) [rad/m]
-    log: Any  # log(q/q_low), which near q_low has digits that q has not
-    weight: Any  # of int dlog q (cells, 2)
-    power: Any  # q^4 C (cells, 2) [rad^4]
-    end: Any  # q_high [rad/m]
-    log_end: Any  # log(q_high/q_low)
-    end_power: Any  # q^4 C there
+    q: Array  # wave numbers (cells, 2) [rad/m]
+    log: Array  # log(q/q_low), which near q_low has digits that q has not
+    weight: Array  # of int dlog q (cells, 2)
+    power: Array  # q^4 C (cells, 2) [rad^4]
+    end: Array  # q_high [rad/m]
+    log_end: Array  # log(q_high/q_low)
+    end_power: Array  # q^4 C there
 
 
 class Averages(NamedTuple):
     """Integrals over the angle at frequencies w = q v."""
 
-    drag: Any  # int cos Im E* dphi [Pa]
-    stiffness: Any  # int |E*|^2 dphi [Pa^2]
-    stiffer: Any  # log of stiffness(w e^finer) over stiffness(w)
-    lost: Any = None  # int (Im E*)^2 dphi over `stiffness`, where moduli soften
+    drag: Array  # int cos Im E* dphi [Pa]
+    stiffness: Array  # int |E*|^2 dphi [Pa^2]
+    stiffer: Array  # log of stiffness(w e^finer) over stiffness(w)
+    lost: Array | None = (
+        None  # int (Im E*)^2 dphi over `stiffness`, where moduli soften
+    )
 
 
 class Tables(NamedTuple):
@@ -78,9 +90,9 @@ class Tables(NamedTuple):
 
 
 def nodes(
-    spectrum: Any,
+    spectrum: AbstractSpectrum,
     per_decade: int = PER_DECADE,
-    bends: Any = (),
+    bends: Sequence[Array] = (),
     counts: tuple[int, ...] | None = None,
 ) -> Nodes:
     """Nodes over a spectrum, in `per_decade` cells of even width in log q.
@@ -128,7 +140,7 @@ def nodes(
     )
 
 
-def cell_counts(spectrum: Any, per_decade: int) -> tuple[int, ...]:
+def cell_counts(spectrum: AbstractSpectrum, per_decade: int) -> tuple[int, ...]:
     """How many cells there are between the points of a spectrum; where q is traced
     three decades are assumed.
     """
@@ -169,7 +181,7 @@ def _graded(count: int, per_decade: int) -> np.ndarray:
     )
 
 
-def integral_to(rate: Any, weight: Any) -> Any:
+def integral_to(rate: Array, weight: Array) -> Any:
     """int dlog q of `rate` from q_low to each node, (..., cells, 2): within a cell as
     Gauss' method of order four.
     """
@@ -190,7 +202,7 @@ def integral_to(rate: Any, weight: Any) -> Any:
     return xp.clip(inside, before[..., None], (before + whole)[..., None])
 
 
-def faded_to(source: Any, wave_nodes: Nodes, power: int) -> tuple[Any, Any]:
+def faded_to(source: Array, wave_nodes: Nodes, power: int) -> tuple[Any, Any]:
     """int (q'/q)^power dlog q' of a `source` over the waves q' < q, at each node
     (..., cells, 2) and at q_high (...): the source is linear within a cell, the power
     exact.
@@ -243,7 +255,7 @@ def _kernels(step: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def tables(
-    modulus: Any,
+    modulus: Modulus,
     low: float,
     high: float,
     step: float = _STEP,
@@ -266,20 +278,25 @@ def tables(
     def average(values: np.ndarray, kernel: np.ndarray = plain) -> np.ndarray:
         return _log(np.convolve(values, kernel, "valid"))
 
-    value = modulus(frequency)
+    value, higher = (
+        np.asarray(modulus(omega), np.complex128)
+        for omega in (frequency, frequency * np.exp(finer))
+    )
     stiffness = average(abs(value) ** 2)
-    stiffer = average(abs(modulus(frequency * np.exp(finer))) ** 2) - stiffness
+    stiffer = average(abs(higher) ** 2) - stiffness
     columns = [average(value.imag, weighted), stiffness, stiffer]
     if parted:
         columns.append(average(value.imag**2) - stiffness)
     return Tables(step, first + 1, np.stack([_cubics(y) for y in columns]))
 
 
-def moduli_table(modulus: Any, low: float, high: float, step: float) -> Tables:
+def moduli_table(modulus: Modulus, low: float, high: float, step: float) -> Tables:
     """The logarithms of Im E* and |E*|^2 themselves, on the grid of `tables`."""
     first = int(np.floor(np.log(low) / step)) - 2
     last = int(np.ceil(np.log(high) / step)) + 3
-    value = modulus(np.exp(step * np.arange(first, last + 1)))
+    value = np.asarray(
+        modulus(np.exp(step * np.arange(first, last + 1))), np.complex128
+    )
     columns = (value.imag, abs(value) ** 2)
     cubics = [_cubics(_log(y)) for y in columns]
     return Tables(step, first + 1, np.stack(cubics))
@@ -305,7 +322,9 @@ def _cubics(y: np.ndarray) -> np.ndarray:
     )
 
 
-def direct(modulus: Any, w: Any, finer: float = 0.0, parted: bool = False) -> Averages:
+def direct(
+    modulus: Modulus, w: Array, finer: float = 0.0, parted: bool = False
+) -> Averages:
     """The averages at frequencies w of any shape, each with integrals over the angle of
     its own.
     """
@@ -313,7 +332,7 @@ def direct(modulus: Any, w: Any, finer: float = 0.0, parted: bool = False) -> Av
     cosine = 1 / np.cosh(t)
     weight = 4 * 14.0 / _DIRECT * cosine
 
-    def square(w: Any) -> tuple[Any, Any]:
+    def square(w: Array) -> tuple[Any, Any]:
         value = modulus(w[..., None] * cosine)
         return value, (value.real**2 + value.imag**2) @ weight
 
@@ -327,7 +346,7 @@ def direct(modulus: Any, w: Any, finer: float = 0.0, parted: bool = False) -> Av
     )
 
 
-def read(table: Tables, log_w: Any) -> Averages:
+def read(table: Tables, log_w: Array) -> Averages:
     """The averages at log w, by cubics through four points of their logarithm."""
     xp = namespace(log_w)
     drag, stiffness, stiffer, *lost = read_columns(table, log_w, slice(None))
@@ -336,20 +355,20 @@ def read(table: Tables, log_w: Any) -> Averages:
     )
 
 
-def read_stiffer(table: Tables, log_w: Any) -> Any:
+def read_stiffer(table: Tables, log_w: Array) -> Any:
     """`Averages.stiffer` alone at log w."""
     (stiffer,) = read_columns(table, log_w, slice(2, 3))
     return stiffer
 
 
-def read_columns(table: Tables, log_w: Any, columns: slice) -> list[Any]:
+def read_columns(table: Tables, log_w: Array, columns: slice) -> list[Any]:
     """Some columns of a table at log w."""
     place = log_w / table.step - table.first
     left = interval_of(place, table.cubics.shape[-1])
     return [even_cubics(column, place, left) for column in table.cubics[columns]]
 
 
-def share(spread: Any) -> Any:
+def share(spread: Array) -> Any:
     """P = erf(1/(2 sqrt G))."""
     xp = namespace(spread)
     if xp is np:
@@ -359,7 +378,7 @@ def share(spread: Any) -> Any:
     return erf(0.5 / xp.sqrt(xp.maximum(spread, 1e-300)))
 
 
-def factor(shares: Any, gamma: float) -> Any:
+def factor(shares: Array, gamma: float) -> Any:
     """S = gamma + (1 - gamma) P^2."""
     return gamma + (1 - gamma) * shares**2
 
@@ -380,7 +399,7 @@ def _stored(gamma: float) -> tuple[np.ndarray, np.ndarray]:
     parts = (g / factor(erf(0.5 / np.sqrt(g)), gamma)) @ weights * 0.5 * np.diff(log_g)
     whole = np.exp(log_g[0]) + np.concatenate([[0.0], np.cumsum(parts)])
 
-    def slope_of(log_g: Any, r: Any) -> Any:  # dlog G/dlog R
+    def slope_of(log_g: Array, r: Array) -> Any:  # dlog G/dlog R
         return r * factor(erf(0.5 * np.exp(-0.5 * log_g)), gamma) / np.exp(log_g)
 
     log_r = np.linspace(np.log(whole[0]), np.log(whole[-1]), log_g.size)
@@ -394,7 +413,7 @@ def _stored(gamma: float) -> tuple[np.ndarray, np.ndarray]:
     return log_r, np.stack(cubics)
 
 
-def spread_of(rate: Any, gamma: float, stored: bool) -> Any:
+def spread_of(rate: Array, gamma: float, stored: bool) -> Any:
     """G from R = int q^3 C stiffness/(8 p^2) dq: itself, or with S inside the
     integral.
     """

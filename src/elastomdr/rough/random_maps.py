@@ -13,8 +13,10 @@ the load. With one of them friction was 14 % low, with four 1 %: `error` has
 In full contact, which is linear, every map has the friction of its spectrum.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -26,7 +28,10 @@ from .against_lay import Directed
 from .half_space import solve, waves
 from .local_modulus import Local
 from .multiscale import averages_of
-from .psd_integrals import integral_to, nodes
+from .psd_integrals import Modulus, integral_to, nodes
+
+if TYPE_CHECKING:
+    from ..surface.spectrum import AbstractSpectrum
 
 SAMPLES = 4  # cells per shortest wave
 # cells to a side that are aimed at, and the most, where none are given
@@ -47,13 +52,15 @@ class MapGrid(NamedTuple):
     side: float  # [m]
 
 
-def grid_of(spectrum: Any, cells: int | None, periods: int | None) -> MapGrid:
+def grid_of(
+    spectrum: AbstractSpectrum, cells: int | None, periods: int | None
+) -> MapGrid:
     """The grid of a surface. Raises `InputError` where it cannot resolve the waves."""
-    ratio = spectrum.q_high / spectrum.q_low
+    ratio = float(spectrum.q_high / spectrum.q_low)
     if cells is None and periods is None:
         periods = min(max(1, int(_USUAL / (SAMPLES * ratio))), _PERIODS)
     if cells is None:
-        cells = 32 * int(np.ceil(SAMPLES * ratio * periods / 32 - 1e-9))
+        cells = 32 * int(np.ceil(SAMPLES * ratio * (periods or 0) / 32 - 1e-9))
         if cells > LARGEST:
             raise InputError(
                 "cells must be given for a surface whose cutoffs are a factor of "
@@ -69,7 +76,7 @@ def grid_of(spectrum: Any, cells: int | None, periods: int | None) -> MapGrid:
             f"cells must be a multiple of 4, at least {least} for {SAMPLES} per "
             f"shortest wave, got {cells}."
         )
-    return MapGrid(cells, periods, 2 * np.pi * periods / spectrum.q_low)
+    return MapGrid(cells, periods, float(2 * np.pi * periods / spectrum.q_low))
 
 
 class MapFriction(NamedTuple):
@@ -84,7 +91,7 @@ class MapFriction(NamedTuple):
 
 def friction(
     modulus: Callable[[Any], Any],
-    spectrum: Any,
+    spectrum: AbstractSpectrum,
     velocity: np.ndarray,
     pressure: np.ndarray,
     grid: MapGrid,
@@ -224,8 +231,8 @@ def on_map(
 
 
 def summits(
-    modulus: Any,
-    spectrum: Any,
+    modulus: Modulus,
+    spectrum: AbstractSpectrum,
     velocity: np.ndarray,
     pressure: np.ndarray,
     grid: MapGrid,
@@ -246,7 +253,8 @@ def summits(
     # longest waves that still grow, or the roll-off's
     number = (grid.side * longest / (2 * np.pi)) ** 2
     if directed is not None:  # of ridges, which are longer than wide
-        longer = np.exp(abs(directed.lay.log_peklenik[0]))
+        assert directed.lay is not None
+        longer = float(np.exp(abs(directed.lay.log_peklenik[0])))
         # those that run through the whole map count once
         number = max(number / longer, number**0.5)
     where = np.searchsorted(
@@ -257,22 +265,22 @@ def summits(
 
 
 def full_contact(
-    modulus: Any,
-    spectrum: Any,
+    modulus: Modulus,
+    spectrum: AbstractSpectrum,
     velocity: np.ndarray,
     pressure: np.ndarray,
     directed: Directed | None = None,
 ) -> np.ndarray:
     """Friction in full contact of all waves of a spectrum."""
     wave_nodes = nodes(spectrum, 32)
-    drag = averages_of(
-        modulus, velocity, wave_nodes.q, None, Local(directed=directed)
-    ).drag
-    return (wave_nodes.weight * wave_nodes.power * drag).sum((-2, -1)) / (2 * pressure)
+    local = Local(directed=directed)
+    drag = averages_of(modulus, velocity, wave_nodes.q, None, local).drag
+    each = np.asarray(wave_nodes.weight * wave_nodes.power * drag)
+    return each.sum((-2, -1)) / (2 * pressure)
 
 
 def full_contact_of_map(
-    modulus: Any,
+    modulus: Modulus,
     heights: np.ndarray,
     sides: Any,
     velocity: float,
@@ -286,7 +294,7 @@ def full_contact_of_map(
 
 
 def work(
-    surface: Any, cells: int | None, periods: int | None, seeds: int
+    surface: AbstractSpectrum, cells: int | None, periods: int | None, seeds: int
 ) -> tuple[str, str]:
     """What is computed on how many maps of which grid and what is left out, in
     words.

@@ -2,10 +2,12 @@
 pack.
 """
 
+from __future__ import annotations
+
 import dataclasses
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -45,6 +47,14 @@ from .against_lay import Directed
 from .heat import NO_STATE, Heat, check_heat, why_no_state
 from .local_modulus import Local, SoftenedByScale
 from .problem import RoughCall
+
+if TYPE_CHECKING:
+    from .._types import Number
+    from ..arrays import Array
+    from ..call.types import SteadyBody
+    from ..results.doubts import Kind
+    from .flash import Flash
+    from .temperature_by_scale import Warm
 
 _MEGAPASCALS = 10.0  # pressure up to which it may be one in MPa [Pa]
 _LEAST = 1e-4  # share of real contact below which it probably is
@@ -117,12 +127,12 @@ class _Answer(NamedTuple):
     hot: SurfaceFriction  # at the temperatures that friction makes
     cold: SurfaceFriction  # at the temperatures that are given
     local: Local  # how moduli differ from scale to scale
-    warm: Any  # one flash temperature (`rough.flash.Warm`), or None
-    by_scale: Any  # temperatures by length scale, or None
+    warm: Flash | None  # one flash temperature
+    by_scale: Warm | None  # temperatures by length scale
     # v a_T at the temperature of the real contact, in the shape of the call
-    reduced: Any
+    reduced: Array
 
-    def field(self, shape: tuple[int, ...], values: Any) -> Any:
+    def field(self, shape: tuple[int, ...], values: Array) -> Array:
         """`values` in the shape of the call, NaN where there is no answer."""
         return nan_unless(self.hot.good, values).reshape(shape)
 
@@ -151,10 +161,10 @@ class _Answer(NamedTuple):
 class _Strained(NamedTuple):
     """What softening changes."""
 
-    linear: Any  # mu without softening, or None
+    linear: Array | None  # mu without softening
     # how far mu and, relatively, the area are off at half and twice the strain
-    of_mu: Any
-    of_area: Any
+    of_mu: Array | float
+    of_area: Array | float
     rows: list[tuple[str, str]]
 
 
@@ -162,8 +172,8 @@ class _Turned(NamedTuple):
     """What the direction of sliding does on a surface with a lay."""
 
     # how far mu and, relatively, the area may be from those computed
-    of_mu: Any
-    of_area: Any
+    of_mu: Array | float
+    of_area: Array | float
     rows: list[tuple[str, str]]
 
 
@@ -196,7 +206,12 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     of_data = (
         np.zeros(())
         if scene.traced
-        else _misfit(foundation, surface, answer.longest(scene), answer.reduced.ravel())
+        else _misfit(
+            foundation,
+            surface,
+            answer.longest(scene),
+            np.asarray(answer.reduced).ravel(),
+        )
     )
     strained = _strained(softened, foundation, surface, model, scene, answer, rtol)
     turned = _turned(foundation, scene, surface, model, answer)
@@ -343,14 +358,14 @@ def _outside(
         return excited_outside(known, surface, answer.reduced)
     warm = answer.by_scale.warmed
 
-    def factor(q: Any) -> Any:
+    def factor(q: Array) -> Array:
         return warm.factors(warm.at(q))[0]
 
     return excited_outside(known, surface, scene.reduced, factor)
 
 
 def _warn_of_failed(
-    hysteresis: SurfaceFriction, states: list[tuple[str, str]], rtol: Any
+    hysteresis: SurfaceFriction, states: list[tuple[str, str]], rtol: float
 ) -> None:
     """Counts the points without an answer in one warning."""
     why = [f"{said}." for name, said in states if name == NO_STATE]
@@ -365,8 +380,8 @@ def _inputs(
     heat: Heat | None,
     answer: _Answer,
     strained: _Strained,
-    of_data: Any,
-    outside: Any,
+    of_data: np.ndarray,
+    outside: Array | None,
 ) -> list[tuple[str, str]]:
     """What a result says of its arguments."""
     hysteresis = answer.hot
@@ -395,7 +410,7 @@ def _inputs(
 def _wide_bound(
     curve: FrictionCurve,
     model: SurfaceModel,
-    foundation: Any,
+    foundation: SteadyBody,
     surface: AbstractSpectrum,
     answer: _Answer,
     strained: _Strained,
@@ -407,7 +422,7 @@ def _wide_bound(
     bound, mu = (abs(np.asarray(x).ravel()) for x in (curve.model_error, curve.mu))
     area, reduced = answer.hot.area, answer.reduced.ravel()
 
-    def doubt(kind: Any, points: Any, words: str, reasons: list[str]) -> Doubt:
+    def doubt(kind: Kind, points: np.ndarray, words: str, reasons: list[str]) -> Doubt:
         return Doubt(kind, points.reshape(curve.mu.shape), "; ".join([words, *reasons]))
 
     wide, unknown = bound > WIDE * mu, np.isnan(bound) & np.isfinite(mu)
@@ -453,7 +468,7 @@ def _wide_by_skewness(surface: AbstractSpectrum) -> str:
     )
 
 
-def excited_beyond(outside: Any) -> tuple[str, str]:
+def excited_beyond(outside: Array) -> tuple[str, str]:
     """A row for results: the share of the slope outside the measured frequencies."""
     most = np.nanmax(outside)
     share = "less than 1%" if most < 0.005 else f"up to {most:.0%}"
@@ -468,7 +483,7 @@ def _packed(
     answer: _Answer,
     strained: _Strained,
     turned: _Turned,
-    of_data: Any,
+    of_data: np.ndarray,
 ) -> FrictionCurve:
     """The numbers of the result, of hysteresis alone."""
     hysteresis, shape = answer.hot, scene.shape
@@ -507,6 +522,7 @@ def _with_heat(
     warm, by_scale, cold = answer.warm, answer.by_scale, field(answer.cold.mu)
     others = answer.warmed().several.reshape(scene.shape)
     if by_scale is None:
+        assert warm is not None
         return dataclasses.replace(
             curve,
             temperature_rise=field(warm.rise),
@@ -565,12 +581,16 @@ def _with_adhesion(
     if heat is None or scene.traced:
         return both
     return dataclasses.replace(
-        both, inputs=(*both.inputs, *why_hotter(both, cold_area, stress))
+        both,
+        inputs=(
+            *both.inputs,
+            *why_hotter(both, np.asarray(cold_area), np.asarray(stress)),
+        ),
     )
 
 
-def _checked_share(share: Any) -> Any:
-    share = scalar("strain_share", share)
+def _checked_share(given: Number) -> Array:
+    share = scalar("strain_share", given)
     require(
         "strain_share",
         share,
@@ -580,7 +600,7 @@ def _checked_share(share: Any) -> Any:
     return share
 
 
-def _scales_in_words(by_scale: Any, good: np.ndarray) -> list[tuple[str, str]]:
+def _scales_in_words(by_scale: Warm, good: np.ndarray) -> list[tuple[str, str]]:
     """The rise of temperature by length scale, where it is largest."""
     rows = []
     if good.any():
@@ -599,12 +619,12 @@ def _scales_in_words(by_scale: Any, good: np.ndarray) -> list[tuple[str, str]]:
 
 def _strained(
     softened: SoftenedByScale | None,
-    foundation: Any,
-    surface: Any,
+    foundation: SteadyBody,
+    surface: AbstractSpectrum,
     model: SurfaceModel,
     scene: SteadyScene,
     answer: _Answer,
-    rtol: Any,
+    rtol: float,
 ) -> _Strained:
     """What softening changes; how far mu is off where the strain is not that taken.
 
@@ -619,7 +639,7 @@ def _strained(
     velocity = scene.reduced.ravel()
     reduced_pressure = (scene.full(scene.value) / scene.vertical).ravel()
 
-    def at(share: Any) -> Any:
+    def at(share: Array | None) -> SurfaceFriction:
         other = answer.local._replace(
             softened=None if share is None else softened._replace(share=share)
         )
@@ -635,7 +655,7 @@ def _strained(
 
     linear, here = at(None), at(softened.share)
 
-    def changes(factor: float) -> Any:
+    def changes(factor: float) -> np.ndarray:
         """The largest of mu [absolute] and of the area [relative]: (2, points)."""
         others = [at(softened.share * f) for f in (factor, 1 / factor)]
         return np.max(
@@ -664,7 +684,7 @@ def _directed(
 
 
 def _turned(
-    foundation: Any,
+    foundation: SteadyBody,
     scene: SteadyScene,
     surface: AbstractSpectrum,
     model: SurfaceModel,
@@ -703,7 +723,7 @@ def _turned(
 
 
 def _at_other_lays(
-    foundation: Any,
+    foundation: SteadyBody,
     scene: SteadyScene,
     surface: AbstractSpectrum,
     model: SurfaceModel,
@@ -720,11 +740,11 @@ def _at_other_lays(
     lay: Any = lay_of(surface)
     solve = (Multiscale() if on_maps else model).solve
 
-    def towards(direction: Any, errors: float) -> SurfaceFriction:
+    def towards(direction: Array | float | None, errors: float) -> SurfaceFriction:
         directed = None
         if direction is not None:
-            direction = np.broadcast_to(direction, pressure.shape)
-            directed = Directed(lay.off(errors), direction)
+            turned = np.broadcast_to(np.asarray(direction), pressure.shape)
+            directed = Directed(lay.off(errors), turned)
         local = answer.local._replace(directed=directed)
         velocity = scene.reduced.ravel()
         return solve(foundation, surface, velocity, pressure, local, _ROUGHLY, None)
@@ -738,13 +758,13 @@ def _at_other_lays(
 
 def _softening_words(
     softened: SoftenedByScale,
-    surface: Any,
+    surface: AbstractSpectrum,
     here: SurfaceFriction,
     linear: SurfaceFriction,
-    good: Any,
+    good: Array,
 ) -> str:
     """How far moduli soften, and what that does."""
-    strain = float(softened.strain(surface.q_high))
+    strain = float(softened.strain(np.asarray(surface.q_high)))
     storage, loss = (float(x) for x in softened.softening.factors(strain))
     words = (
         f"strain up to {strain:.2g}, where the storage modulus is {storage:.0%} and "
@@ -764,7 +784,7 @@ def _strained_beyond(
 ) -> tuple[Doubt, ...]:
     """All points, where the surface strains the rubber more than its sweep did."""
     strain, last = stop_gradient(
-        (softened.strain(surface.q_high), softened.softening.strain[-1])
+        (softened.strain(xp.asarray(surface.q_high)), softened.softening.strain[-1])
     )
     points = xp.full(scene.shape, strain > last * (1 + 1e-9))
     known, strains = scene.foundation.range, ""
@@ -792,7 +812,7 @@ def _label(surface: AbstractSpectrum) -> str:
 
 
 def _plan(
-    foundation: Any,
+    foundation: SteadyBody,
     scene: SteadyScene,
     surface: AbstractSpectrum,
     model: SurfaceModel,
@@ -874,7 +894,10 @@ def _too_much(scene: SteadyScene, surface: AbstractSpectrum) -> tuple[Doubt, ...
 
 
 def _misfit(
-    foundation: Any, surface: AbstractSpectrum, cold: np.ndarray, reduced: np.ndarray
+    foundation: SteadyBody,
+    surface: AbstractSpectrum,
+    cold: np.ndarray,
+    reduced: np.ndarray,
 ) -> np.ndarray:
     """Relative change of mu for what a material misses of the data that it was fitted
     to; 0 where that is not known.
@@ -890,7 +913,7 @@ def _misfit(
     return np.where(np.isfinite(within), within, whole)
 
 
-def _skewed_words(surface: Any, area: Any) -> str:
+def _skewed_words(surface: AbstractSpectrum, area: Array) -> str:
     """What a skewness of the heights does."""
     skewness, error = _skewness(surface)
     change = _SKEWED * np.sqrt(-np.log(np.clip(area, 1e-300, 1.0)))
@@ -912,18 +935,18 @@ def _skewed_words(surface: Any, area: Any) -> str:
     )
 
 
-def _between(factors: Any) -> str:
+def _between(factors: np.ndarray) -> str:
     """The range of some factors, one number where its ends are the same to two digits."""
     low, high = f"{np.nanmin(factors):.2g}", f"{np.nanmax(factors):.2g}"
     return f"{low} times" if low == high else f"{low} to {high} times"
 
 
-def _skewness(surface: Any) -> tuple[float, float]:
+def _skewness(surface: AbstractSpectrum) -> tuple[float, float]:
     """Skewness of the heights and its standard error, zero where nothing is known."""
     return getattr(surface, "skewness", 0.0), getattr(surface, "skewness_error", 0.0)
 
 
-def _of_skewness(surface: AbstractSpectrum, area: Any) -> Any:
+def _of_skewness(surface: AbstractSpectrum, area: Array) -> Array:
     """Bound on |ln(mu/mu_Gaussian)| of a measured surface by the skewness of its
     heights, and on that of the real contact.
 
@@ -935,7 +958,7 @@ def _of_skewness(surface: AbstractSpectrum, area: Any) -> Any:
     return _PER_SKEWNESS * skewness * xp.sqrt(-xp.log(area))
 
 
-def _of_lay(surface: AbstractSpectrum, area: Any) -> Any:
+def _of_lay(surface: AbstractSpectrum, area: Array) -> Array:
     """Bound on |ln(mu/mu_3D)| by what a lay does beside giving waves their directions,
     and on that of the real contact.
     """
@@ -947,13 +970,12 @@ def _of_lay(surface: AbstractSpectrum, area: Any) -> Any:
     return _PER_LAY * stretch * xp.sqrt(-xp.log(xp.clip(area, 1e-300, 1.0)))
 
 
-def bound_of_heights(surface: AbstractSpectrum, area: Any) -> Any:
+def bound_of_heights(surface: AbstractSpectrum, area: Array) -> Array:
     """What skewness and lay of a measured surface add to a relative bound, of friction
     or of the real contact.
     """
     xp = namespace(area)
-    of_both = (_of_skewness(surface, area), _of_lay(surface, area))
-    return sum(xp.expm1(each) for each in of_both)
+    return xp.expm1(_of_skewness(surface, area)) + xp.expm1(_of_lay(surface, area))
 
 
 def _model_error(
@@ -961,7 +983,7 @@ def _model_error(
     scene: SteadyScene,
     surface: AbstractSpectrum,
     answer: _Answer,
-    of_strain: Any,
+    of_strain: Array | float,
     of_area: bool = False,
 ) -> Any:
     """Bound on mu's distance from three dimensions, or on the area's relative one; None

@@ -32,20 +32,26 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import is_traced, namespace, stop_gradient, xp
+from ..arrays import Array, is_traced, namespace, stop_gradient, xp
 from ..checks import known
+from ..models import SurfaceModel
 from ..numerics.implicit import as_doubles, implicit, numbers_with_slopes
 from ..numerics.quadrature import gauss_unit
 from ..surface.lay import lay_of
-from .against_lay import of_points, to_points
+from .adhesion import AdhesiveShear
+from .against_lay import Which, of_points, to_points
 from .heat import Heat, highest_rise
 from .local_modulus import Local, SoftenedByScale, Warmed, basis, log_stations, place_of
 from .multiscale import Waves, bends, table_of
 from .psd_integrals import Nodes, cell_counts, integral_to, nodes
+
+if TYPE_CHECKING:
+    from ..call.types import SteadyBody
+    from ..surface.spectrum import AbstractSpectrum
 
 _TRACED_DECADES = 3  # of a surface whose cutoffs JAX traces
 _BATCH = 32  # points whose first temperatures are looked for at once
@@ -85,18 +91,18 @@ _K = 6  # nodes per decade over the depth
 class Problem(NamedTuple):
     """Points of a surface under a pressure, flat."""
 
-    body: Any  # foundation
-    spectrum: Any
+    body: SteadyBody
+    spectrum: AbstractSpectrum
     local: Local  # softening and direction
     heat: Heat
-    adhesion: Any  # em.AdhesiveShear, or None
-    velocity: Any  # [m/s]
-    reduced: Any  # v a_T at the body's temperature
-    temperature: Any  # of the body
-    pressure: Any  # [Pa]
-    reduced_pressure: Any  # p/b_T at the body's temperature
+    adhesion: AdhesiveShear | None
+    velocity: Array  # [m/s]
+    reduced: Array  # v a_T at the body's temperature
+    temperature: Array  # of the body
+    pressure: Array  # [Pa]
+    reduced_pressure: Array  # p/b_T at the body's temperature
 
-    def of(self, points: Any) -> Problem:
+    def of(self, points: Which) -> Problem:
         """The same for some of the points."""
         names = ("velocity", "reduced", "temperature", "pressure", "reduced_pressure")
         return self._replace(
@@ -109,16 +115,16 @@ class Warm(NamedTuple):
     """Temperatures by scale, as `Local` takes them, and what they come from."""
 
     warmed: Warmed
-    error: Any  # of mu, for the stations and cells
-    mean: Any  # rise, by where the heat arises [K]
-    contact: Any  # rise of real contact, at q_high [K]
-    flux: Any  # heat per time and nominal area [W/m^2]
-    to_road: Any  # share of it that the road takes
-    good: Any  # where temperatures have settled
-    several: Any  # where there are other steady states
+    error: Array  # of mu, for the stations and cells
+    mean: Array  # rise, by where the heat arises [K]
+    contact: Array  # rise of real contact, at q_high [K]
+    flux: Array  # heat per time and nominal area [W/m^2]
+    to_road: Array  # share of it that the road takes
+    good: Array  # where temperatures have settled
+    several: Array  # where there are other steady states
     # where friction makes more heat than is led away up to the highest rise, and there
     # is no state
-    runaway: Any
+    runaway: Array
 
 
 class Conduction(NamedTuple):
@@ -126,21 +132,21 @@ class Conduction(NamedTuple):
 
     wave_nodes: Nodes
     per_decade: int  # cells
-    ends: Any  # log q_low and log q_high (2,)
-    log_q: Any  # of the stations
-    cell: Any  # in which each station lies
-    place: Any  # where in it, 0 to 1
-    depth: Any  # D_q(k) of the stations (stations, k), times dk
-    of_nodes: Any  # D_q(k) of the nodes (cells, 2, k)
-    of_end: Any  # D_Q(k) (k,)
-    weight: Any  # dk (k,)
-    kernel: Any  # r^2 I0 K0 at r = pi/q of the nodes (points, k, cells, 2)
-    near: Any  # integrals over r below that of each station (points, k, stations)
-    line: Any  # r I0(w r) exp(-w r) at the nodes (points, cells, 2)
-    line_near: Any  # its integral below pi/q_high (points,)
+    ends: Array  # log q_low and log q_high (2,)
+    log_q: Array  # of the stations
+    cell: Array  # in which each station lies
+    place: Array  # where in it, 0 to 1
+    depth: Array  # D_q(k) of the stations (stations, k), times dk
+    of_nodes: Array  # D_q(k) of the nodes (cells, 2, k)
+    of_end: Array  # D_Q(k) (k,)
+    weight: Array  # dk (k,)
+    kernel: Array  # r^2 I0 K0 at r = pi/q of the nodes (points, k, cells, 2)
+    near: Array  # integrals over r below that of each station (points, k, stations)
+    line: Array  # r I0(w r) exp(-w r) at the nodes (points, cells, 2)
+    line_near: Array  # its integral below pi/q_high (points,)
 
 
-def warmed(problem: Problem, model: Any, hot: bool) -> Warm:
+def warmed(problem: Problem, model: SurfaceModel, hot: bool) -> Warm:
     """The temperatures that friction makes: of several states that of rubber that was
     cold, or the one of rubber that was `hot`; see the head of this file.
     """
@@ -178,7 +184,7 @@ def warmed(problem: Problem, model: Any, hot: bool) -> Warm:
 
 def _on_level(
     problem: Problem,
-    model: Any,
+    model: SurfaceModel,
     per_decade: int,
     near: Found,
     hot: bool,
@@ -206,7 +212,7 @@ def _on_level(
     return of(rise), Found(rise, good & near.seen, several, steep)
 
 
-def _is_near(of: Callable[[Any], HeatState], start: Any, rise: Any) -> Any:
+def _is_near(of: Callable[[Any], HeatState], start: Array, rise: Array) -> Any:
     """Whether a state is the one at the start: about as hot, and as stable."""
     height = rise.max(-1)
     off = abs(height - start.max(-1)) <= _MOVED * height + _LOWEST
@@ -214,7 +220,7 @@ def _is_near(of: Callable[[Any], HeatState], start: Any, rise: Any) -> Any:
     return off & (more < _NUDGE * height + _NOTHING)
 
 
-def _error(coarsest: Any, coarse: Any, fine: Any) -> Any:
+def _error(coarsest: Array, coarse: Array, fine: Array) -> Any:
     """The last change, or what is left of the one before by the order of the splines,
     if that is more.
 
@@ -224,14 +230,14 @@ def _error(coarsest: Any, coarse: Any, fine: Any) -> Any:
     return np.maximum(abs(fine - coarse), abs(coarse - coarsest) / _ORDER_4)
 
 
-def _at_stations(rise: Any, count: int) -> Any:
+def _at_stations(rise: Array, count: int) -> Any:
     """Rises at `count` stations; exactly the same splines where those are twice as
     many.
     """
     return rise @ basis(rise.shape[1], np.arange(1, count + 1) / count).T
 
 
-def _of_traced(problem: Problem, model: Any, hot: bool) -> Warm:
+def _of_traced(problem: Problem, model: SurfaceModel, hot: bool) -> Warm:
     """`warmed` under a transformation of JAX: numbers from NumPy, the derivatives of
     temperatures from the equation that they solve on one level of cells.
     """
@@ -240,10 +246,17 @@ def _of_traced(problem: Problem, model: Any, hot: bool) -> Warm:
     stations = _count(spectrum, _LEVELS[_USUAL]), _count(spectrum, _LEVELS[-1])
     softened = problem.local.softened
     share = None if softened is None else softened.share
-    shared = problem.body, problem.spectrum, share, problem.heat, problem.adhesion
-    points = (problem.velocity, problem.reduced, problem.temperature)
-    points += (problem.pressure, problem.reduced_pressure)
-    points += (to_points(problem.local.directed),)
+    shared = _HeatShared(
+        problem.body, problem.spectrum, share, problem.heat, problem.adhesion
+    )
+    points = _HeatPoints(
+        problem.velocity,
+        problem.reduced,
+        problem.temperature,
+        problem.pressure,
+        problem.reduced_pressure,
+        to_points(problem.local.directed),
+    )
     solve = _with_slopes(model, *stations, counts, hot)
     rise, mean, flux, to_road, error, *flags = solve(*as_doubles((shared, points)))
     good, several, runaway = (flag > 0 for flag in flags)
@@ -253,26 +266,48 @@ def _of_traced(problem: Problem, model: Any, hot: bool) -> Warm:
     return Warm(profile, error, *made, good, several, runaway)
 
 
-def _problem(shared: Any, points: Any) -> Problem:
+class _HeatShared(NamedTuple):
+    """What all points of a problem share, for `_with_slopes`."""
+
+    body: SteadyBody
+    spectrum: AbstractSpectrum
+    share: Array | None  # strain over rms slope, of a softening
+    heat: Heat
+    adhesion: AdhesiveShear | None
+
+
+class _HeatPoints(NamedTuple):
+    """What each point has of its own, as in `Problem`."""
+
+    velocity: Array
+    reduced: Array
+    temperature: Array
+    pressure: Array
+    reduced_pressure: Array
+    direction: Array | None  # of sliding (1, points)
+
+
+def _problem(shared: _HeatShared, points: _HeatPoints) -> Problem:
     body, spectrum, share, heat, adhesion = shared
-    *points, direction = points
-    softened = (
-        None if share is None else SoftenedByScale(body.softening, spectrum, share)
-    )
+    *scene, direction = points
+    softened = None
+    if share is not None:
+        assert body.softening is not None
+        softened = SoftenedByScale(body.softening, spectrum, share)
     local = Local(softened, None, of_points(lay_of(spectrum), direction))
-    return Problem(body, spectrum, local, heat, adhesion, *points)
+    return Problem(body, spectrum, local, heat, adhesion, *scene)
 
 
 @functools.lru_cache(64)
 def _with_slopes(
-    model: Any, stations: int, finest: int, counts: tuple[int, ...], hot: bool
+    model: SurfaceModel, stations: int, finest: int, counts: tuple[int, ...], hot: bool
 ) -> Callable[..., tuple[Any, ...]]:
     """Rises at the finest stations (finest, points), which are those of `warmed`
     whatever its level was, their mean, the heat flux and what the road takes, with
     derivatives as of `stations`; their error and the flags of `Warm`.
     """
 
-    def numbers(shared: Any, points: Any) -> tuple[Any, ...]:
+    def numbers(shared: _HeatShared, points: _HeatPoints) -> tuple[Any, ...]:
         problem = _problem(shared, points)
         warm = warmed(problem, model, hot)
         rise = _at_stations(warm.warmed.rise, finest).T
@@ -281,66 +316,66 @@ def _with_slopes(
 
     of_usual = _rises(model, stations, counts, hot)
 
-    def rises(shared: Any, points: Any) -> tuple[Any, ...]:
+    def rises(shared: _HeatShared, points: _HeatPoints) -> tuple[Any, ...]:
         return (_at_stations(of_usual(shared, points).T, finest).T,)
 
-    def others(shared: Any, points: Any) -> tuple[Any, ...]:
+    def others(shared: _HeatShared, points: _HeatPoints) -> tuple[Any, ...]:
         problem = _problem(shared, points)
         conduct = _conduction(problem, model, _TRACED_CELLS, stations, counts)
         rise = of_usual(shared, points)
         state = _state(problem, model, conduct)(rise.T)
         return state.mean, state.flux, state.to_road
 
-    def like(shared: Any, points: Any) -> tuple[Any, ...]:
-        return (_shape(finest, points), *(points[0],) * 7)
+    def like(shared: _HeatShared, points: _HeatPoints) -> tuple[Any, ...]:
+        return (_shape(finest, points), *(points.velocity,) * 7)
 
     return numbers_with_slopes(numbers, ((rises, 1), (others, 3)), like)
 
 
 @functools.lru_cache(64)
 def _rises(
-    model: Any, stations: int, counts: tuple[int, ...], hot: bool
+    model: SurfaceModel, stations: int, counts: tuple[int, ...], hot: bool
 ) -> Callable[..., Any]:
     """Rises (stations, points) that friction makes at these rises."""
 
-    def search(shared: Any, points: Any) -> tuple[Any, None]:
+    def search(shared: _HeatShared, points: _HeatPoints) -> tuple[Any, None]:
         problem = _problem(shared, points)
         near = _first(problem, model, hot)
         near = near._replace(rise=_at_stations(near.rise, stations))
         _, near = _on_level(problem, model, _TRACED_CELLS, near, hot)
         return np.where(near.seen[:, None], near.rise, np.nan).T, None
 
-    def equation(rise: Any, _: None, shared: Any, points: Any) -> Any:
+    def equation(rise: Array, _: None, shared: _HeatShared, points: _HeatPoints) -> Any:
         problem = _problem(shared, points)
         conduct = _conduction(problem, model, _TRACED_CELLS, stations, counts)
         return _state(problem, model, conduct)(rise.T).rise.T - rise
 
-    def like(shared: Any, points: Any) -> tuple[Any, None]:
+    def like(shared: _HeatShared, points: _HeatPoints) -> tuple[Any, None]:
         return _shape(stations, points), None
 
     return implicit(search, equation, like, coupled=True)
 
 
-def _shape(stations: int, points: Any) -> Any:
-    return xp.zeros((stations, *points[0].shape))
+def _shape(stations: int, points: _HeatPoints) -> Array:
+    return xp.zeros((stations, *points.velocity.shape))
 
 
 class HeatState(NamedTuple):
     """What temperatures make."""
 
-    rise: Any  # of the stations (points, stations)
-    mean: Any
-    flux: Any
-    to_road: Any
+    rise: Array  # of the stations (points, stations)
+    mean: Array
+    flux: Array
+    to_road: Array
 
 
 def _state(
-    problem: Problem, model: Any, conduct: Conduction
+    problem: Problem, model: SurfaceModel, conduct: Conduction
 ) -> Callable[[Any], HeatState]:
     """The temperatures that friction makes at temperatures (points, stations)."""
     table = _tables(problem, conduct.wave_nodes, conduct.per_decade)
 
-    def of(rise: Any) -> HeatState:
+    def of(rise: Array) -> HeatState:
         local = problem.local._replace(
             warmed=Warmed(conduct.ends, rise, problem.temperature, problem.body)
         )
@@ -363,14 +398,16 @@ def _tables(problem: Problem, wave_nodes: Nodes, per_decade: int) -> Any:
         return None
     hottest = highest_rise(problem.body, problem.temperature)[:, None]
     local = problem.local._replace(
-        warmed=Warmed(None, hottest, problem.temperature, problem.body)
+        warmed=Warmed(
+            _ends(problem.spectrum), hottest, problem.temperature, problem.body
+        )
     )
     return table_of(
         problem.body.complex_modulus, wave_nodes, problem.reduced, per_decade, local
     )
 
 
-def _adhesive(problem: Problem, area: Any, temperature: Any) -> Any:
+def _adhesive(problem: Problem, area: Array, temperature: Array) -> Any:
     """Part of mu from the shear of the real contact."""
     if problem.adhesion is None:
         return 0.0 * area
@@ -379,7 +416,7 @@ def _adhesive(problem: Problem, area: Any, temperature: Any) -> Any:
 
 
 def _heated(
-    problem: Problem, model: Any, c: Conduction, by_wave: Waves, rise: Any
+    problem: Problem, model: SurfaceModel, c: Conduction, by_wave: Waves, rise: Array
 ) -> HeatState:
     xp = namespace(by_wave.each, rise, problem.velocity)
     shear = _adhesive(problem, by_wave.area, problem.temperature + rise[:, -1])
@@ -438,7 +475,7 @@ def _heated(
 
 def _conduction(
     problem: Problem,
-    model: Any,
+    model: SurfaceModel,
     per_decade: int,
     count: int,
     cells: tuple[int, ...] | None = None,
@@ -490,7 +527,7 @@ def _conduction(
     )
 
 
-def _cells_of(log_q: Any, wave_nodes: Nodes) -> tuple[Any, Any]:
+def _cells_of(log_q: Array, wave_nodes: Nodes) -> tuple[Any, Any]:
     """The cell in which each station lies, and where in it, 0 to 1."""
     xp = namespace(wave_nodes.q, log_q)  # NumPy where only others are traced
     width = 2 * wave_nodes.weight[:, 0]
@@ -511,7 +548,7 @@ def _depth_waves(wave_nodes: Nodes, count: int, xp: Any) -> tuple[Any, Any]:
 
 
 def _kernels(
-    wave_nodes: Nodes, w: Any, k: Any, cell: Any, place: Any, xp: Any
+    wave_nodes: Nodes, w: Array, k: Array, cell: Array, place: Array, xp: Any
 ) -> tuple[Any, Any, Any, Any]:
     """`kernel`, `near`, `line` and `line_near` of `Conduction`, for each w = v/2D."""
     # Below half the shortest wave r goes with the fourth power of Gauss' nodes: over
@@ -519,7 +556,7 @@ def _kernels(
     y, weights, _ = gauss_unit(_NEAR_NODES)
     weights = 4 * weights / y
 
-    def kernel(r: Any) -> Any:
+    def kernel(r: Array) -> Any:
         """r^2 I0(w r) K0(r sqrt(w^2 + k^2)), (velocities, k, ...)."""
         more = r.ndim
         speed, wave = w.reshape(-1, 1, *[1] * more), k.reshape(-1, *[1] * more)
@@ -541,12 +578,12 @@ def _kernels(
     return at_nodes, below[..., None] + beyond, line, line_near
 
 
-def _profile(q: Any, k: Any) -> Any:
+def _profile(q: Array, k: Array) -> Any:
     """D_q(k)."""
     return 4 * q**2 / (k**2 + 4 * q**2)
 
 
-def _integral_to_stations(rate: Any, wave_nodes: Nodes, cell: Any, s: Any) -> Any:
+def _integral_to_stations(rate: Array, wave_nodes: Nodes, cell: Array, s: Array) -> Any:
     """int dlog q of `rate` (..., cells, 2) from q_low to each station: (...,
     stations).
     """
@@ -563,24 +600,24 @@ def _integral_to_stations(rate: Any, wave_nodes: Nodes, cell: Any, s: Any) -> An
     return before[..., cell] + xp.clip(within_cell, 0.0, whole[..., cell])
 
 
-def _of_stations(values: Any, cell: Any, s: Any) -> Any:
+def _of_stations(values: Array, cell: Array, s: Array) -> Any:
     """Values at the nodes (..., cells, 2), at each station: (..., stations)."""
     near = 0.5 - np.sqrt(3) / 6
     first, second = values[..., cell, 0], values[..., cell, 1]
     return first + (second - first) * np.sqrt(3) * (s - near)
 
 
-def _decades(spectrum: Any) -> float:
+def _decades(spectrum: AbstractSpectrum) -> float:
     q = spectrum.q
     return _TRACED_DECADES if namespace(q) is not np else float(np.log10(q[-1] / q[0]))
 
 
-def _count(spectrum: Any, level: int) -> int:
+def _count(spectrum: AbstractSpectrum, level: int) -> int:
     """How many stations a surface has."""
     return level * max(2, round(_STATIONS * _decades(spectrum)))
 
 
-def _ends(spectrum: Any) -> Any:
+def _ends(spectrum: AbstractSpectrum) -> Any:
     """log q_low and log q_high."""
     xp = namespace(spectrum.q)
     return xp.log(xp.stack([spectrum.q[0], spectrum.q[-1]]))
@@ -589,18 +626,18 @@ def _ends(spectrum: Any) -> Any:
 class Found(NamedTuple):
     """Where a steady state is, near enough for `_settle`."""
 
-    rise: Any  # (points, stations)
-    seen: Any  # whether there is one
-    several: Any  # whether there are others
-    steep: Any  # whether others could be near, so that it must not move far
+    rise: Array  # (points, stations)
+    seen: Array  # whether there is one
+    several: Array  # whether there are others
+    steep: Array  # whether others could be near, so that it must not move far
 
 
 class Heights(NamedTuple):
     """What friction makes of profiles of several heights h, their largest rises."""
 
-    tried: Any  # h, ascending (steps, points)
-    made: Any  # f, the height that friction makes (steps, points)
-    shape: Any  # profiles over their height (steps, points, stations)
+    tried: Array  # h, ascending (steps, points)
+    made: Array  # f, the height that friction makes (steps, points)
+    shape: Array  # profiles over their height (steps, points, stations)
 
     def growth(self) -> Any:
         """log f/h, zero at a steady state."""
@@ -629,7 +666,7 @@ class Heights(NamedTuple):
         last = above.shape[0] - np.argmax(above[::-1], 0)
         return np.where(above.any(0), np.minimum(last, above.shape[0] - 1), 0)
 
-    def at(self, place: Any) -> Heights:
+    def at(self, place: Array) -> Heights:
         """One height for each point."""
         every = np.arange(place.size)
         return Heights(*(x[place, every] for x in self))
@@ -645,7 +682,7 @@ class Heights(NamedTuple):
         share = np.where(place == 0, 1.0, share)[:, None]
         return height[:, None] * (low.shape + share * (high.shape - low.shape))
 
-    def between(self, first: Any, last: Any, count: int) -> tuple[Any, Any]:
+    def between(self, first: Array, last: Array, count: int) -> tuple[Any, Any]:
         """`count` heights from the place `first` to `last` of each point, and shapes."""
         low, high = self.at(first), self.at(last)
         share = np.linspace(0.0, 1.0, count)[:, None]
@@ -655,7 +692,7 @@ class Heights(NamedTuple):
 
 def _first(
     problem: Problem,
-    model: Any,
+    model: SurfaceModel,
     hot: bool,
     per_decade: int = _SCAN,
     stations: int | None = None,
@@ -728,11 +765,11 @@ def _with_fold(
 
 def _scan(
     problem: Problem,
-    tried: Any,
-    shape: Any,
+    tried: Array,
+    shape: Array,
     rounds: int,
     *,
-    model: Any,
+    model: SurfaceModel,
     per_decade: int,
 ) -> Heights:
     """Friction at heights (steps, points), at the profiles that it makes at them after
@@ -750,7 +787,9 @@ def _scan(
     return Heights(tried, made.reshape(tried.shape), rows.reshape(shape.shape))
 
 
-def _settle(of: Callable[[Any], HeatState], rise: Any, highest: Any) -> tuple[Any, Any]:
+def _settle(
+    of: Callable[[Any], HeatState], rise: Array, highest: Array
+) -> tuple[Any, Any]:
     """Fixed point of temperatures, and where it was found: Anderson's method with one
     step of memory.
     """
@@ -777,7 +816,7 @@ def _settle(of: Callable[[Any], HeatState], rise: Any, highest: Any) -> tuple[An
     return rise, good & (rise.max(-1) <= highest)
 
 
-def _i0e(x: Any) -> Any:
+def _i0e(x: Array) -> Any:
     if namespace(x) is np:
         from scipy.special import i0e
     else:
@@ -785,7 +824,7 @@ def _i0e(x: Any) -> Any:
     return i0e(x)
 
 
-def _k0e(x: Any) -> Any:
+def _k0e(x: Array) -> Any:
     """exp(x) K0(x)."""
     if namespace(x) is np:
         from scipy.special import k0e
@@ -794,7 +833,7 @@ def _k0e(x: Any) -> Any:
     return _k0e_of_jax(x)
 
 
-def _k0e_of_jax(x: Any) -> Any:
+def _k0e_of_jax(x: Array) -> Any:
     """By polynomials, to 2e-7: Abramowitz & Stegun 9.8.5 and 9.8.6."""
     import jax.numpy as jnp
     from jax.scipy.special import i0e

@@ -229,6 +229,7 @@ def _contact(
         one, surface, xp.ones_like(flat), flat, Local(None), _RTOL, None
     )
     bound = model.bound(one, surface, xp.ones_like(flat), solved.area, of_area=True)
+    assert bound is not None  # `_KINDS` are no truths themselves
     bound = bound + bound_of_heights(*stop_gradient((surface, solved.area)))
     error = solved.area_error / xp.where(solved.area > 0, solved.area, 1.0)
     # its friction is zero: what has to settle is the area
