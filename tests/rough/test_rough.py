@@ -387,7 +387,6 @@ def test_scene(tmp_path, capsys, monkeypatch):
     table = (tmp_path / "road-friction.csv").read_text()
     assert "not the real contact area" in table
     assert (tmp_path / "road-friction.png").stat().st_size > 10_000
-    assert (tmp_path / "road-friction-contact.png").stat().st_size > 10_000
     assert main(["plan", str(scene)]) == 0
     assert "periodic states" in capsys.readouterr().out
     assert main(["rolling", str(scene)]) == 2

@@ -15,7 +15,7 @@ from ..checks import significant
 from ..errors import InputError
 from ..results.axes import Axis, Curve, peak
 from ..results.base import Result
-from ..results.curve import FITTED, AbstractCurve
+from ..results.curve import FITTED, AbstractCurve, Ranking
 from ..results.uncertainty import Part, Uncertainty
 from ..results.words import in_words
 from .scene import CancelledError, Done
@@ -96,14 +96,14 @@ class _Top(NamedTuple):
 
 
 def cards(
-    result: Any, parts: Uncertainty | None = None, *, awaited: bool = False
+    result: Result | Ranking, parts: Uncertainty | None = None, *, awaited: bool = False
 ) -> list[Card]:
     """The cards of a result; none of several materials at once. With what its
     uncertainty consists of, where that is known or `awaited`.
     """
-    if hasattr(result, "places"):  # a ranking
+    if isinstance(result, Ranking):
         return [_first(result)]
-    if not isinstance(result, Result) or result.materials:
+    if result.materials:
         return []
     along = "time" if getattr(result, "time", None) is not None else "velocity"
     axis, curves = result.curves(along)
@@ -146,7 +146,7 @@ def cards(
     ]
 
 
-def _title(result: Any, top: _Top) -> str:
+def _title(result: Result, top: _Top) -> str:
     """What is shown of a curve."""
     if isinstance(result, AbstractCurve | em.Lubricated):
         symbol = "µ" if result.shows == "mu" else result.shows
@@ -155,12 +155,12 @@ def _title(result: Any, top: _Top) -> str:
     return label.capitalize() if isinstance(result, em.ORing) else f"Largest {label}"
 
 
-def _shown(result: Any) -> Any:
+def _shown(result: Result) -> Any:
     """The quantity that the figure shows."""
     return next(each for each in result.fields() if each.key == result.shows)
 
 
-def _number(result: Any, value: float) -> str:
+def _number(result: Result, value: float) -> str:
     """A value with its unit."""
     unit = _shown(result).unit
     if unit == "K":
@@ -217,7 +217,7 @@ class Cards:
                         ui.label(with_signs(note)).classes("about")
 
 
-def _first(ranking: Any) -> Card:
+def _first(ranking: Ranking) -> Card:
     """The rubber with most friction, and whether its lead is significant."""
     best = ranking.places[0]
     known = (
@@ -233,7 +233,7 @@ def _first(ranking: Any) -> Card:
     return Card("Most friction", number, (f"at {ranking.where()}", lead, *kinds))
 
 
-def _top(result: Any, axis: Axis, curve: Curve) -> _Top | None:
+def _top(result: Result, axis: Axis, curve: Curve) -> _Top | None:
     """The largest value of a curve, of an O-ring the last; None where no point
     converged.
     """
@@ -266,7 +266,7 @@ def _top(result: Any, axis: Axis, curve: Curve) -> _Top | None:
     )
 
 
-def _errors(result: Any) -> tuple[Any, Any]:
+def _errors(result: Result) -> tuple[Any, Any]:
     """Numerical error and bound of the model, of what the figure shows."""
     bound = getattr(result, "model_error", None)
     bound = np.nan if bound is None else bound
@@ -308,7 +308,7 @@ def _duration(seconds: float) -> str:
     return f"{significant(seconds / size, 3)} {name}"
 
 
-def _in_brackets(result: Any, top: _Top) -> str:
+def _in_brackets(result: Result, top: _Top) -> str:
     """The uncertainty behind a number, where it is known and can be seen in its digits."""
     if top.share(top.spread) < 0.1 * _FINE:
         return ""
@@ -319,7 +319,7 @@ def _in_brackets(result: Any, top: _Top) -> str:
     return f" ± {significant(scale * top.spread, 2)}"
 
 
-def _how_sure(result: Any, tops: list[_Top]) -> list[str]:
+def _how_sure(result: Result, tops: list[_Top]) -> list[str]:
     """The parts of the largest relative uncertainty of the values."""
     error = _percent(max(top.share(top.error) for top in tops))
     notes = [f"computation {error}", "uncertainty of the rubber: not computed"]
@@ -338,7 +338,7 @@ def _how_sure(result: Any, tops: list[_Top]) -> list[str]:
     return notes
 
 
-def _whole(result: Any, tops: list[_Top]) -> str:
+def _whole(result: Result, tops: list[_Top]) -> str:
     """The largest relative uncertainty of the values, where that of all is known."""
     if not all(np.isfinite(top.model_error) for top in tops):
         return _NOT_KNOWN
@@ -348,7 +348,7 @@ def _whole(result: Any, tops: list[_Top]) -> str:
     return f"± {_percent(most)}".replace("± below", "below")
 
 
-def _counted(result: Any) -> Iterator[str]:
+def _counted(result: Result) -> Iterator[str]:
     """The doubts, and of how many points each is."""
     for doubt in result.doubts:
         points = f"{int(doubt.points.sum())} of {doubt.points.size} points"
@@ -375,9 +375,9 @@ def _parts(ranked: list[tuple[float, Part]]) -> Iterator[str]:
             yield f"{part.source}: {part.assumed}"
 
 
-def _way(result: Any, part: Part) -> str:
+def _way(result: Result, part: Part) -> str:
     """What would lower a part, in the words of the page."""
-    if part.source == "shear law" and result.adhesion is None:
+    if part.source == "shear law" and getattr(result, "adhesion", None) is None:
         return "The adhesive shear of the real contact, where the road is dry."
     return _LOWER.get(part.source, part.remedy)
 
@@ -387,7 +387,7 @@ def _called(doubt: em.Doubt) -> str:
     return _KINDS.get(doubt.kind, doubt.kind)
 
 
-def _knows_fit(result: Any) -> bool:
+def _knows_fit(result: Result) -> bool:
     """Whether the error holds what the rubber's fit misses of its data; elsewhere it is
     numerical only.
     """
@@ -398,7 +398,7 @@ def _percent(share: float) -> str:
     return f"{significant(100 * share, 2)} %" if share >= 1e-3 else "below 0.1 %"
 
 
-def _ends(result: Any, axis: Axis, tops: list[_Top]) -> Iterator[str]:
+def _ends(result: Result, axis: Axis, tops: list[_Top]) -> Iterator[str]:
     """What the doubts ask for, and peaks at the end of what was computed."""
     remedies = (_REMEDIES.get(doubt.kind, doubt.remedy) for doubt in result.doubts)
     yield from (f"{r[0].upper()}{r[1:]}." for r in dict.fromkeys(remedies) if r)
@@ -409,7 +409,7 @@ def _ends(result: Any, axis: Axis, tops: list[_Top]) -> Iterator[str]:
             yield "Lower velocities: a peak may lie below the lowest."
 
 
-def _ways(result: Any, tops: list[_Top]) -> Iterator[str]:
+def _ways(result: Result, tops: list[_Top]) -> Iterator[str]:
     """What else would make the values surer, what matters most first."""
     if isinstance(result, em.ORing):
         yield "Whether the groove keeps the ring at its length: choose held or free."

@@ -12,6 +12,7 @@ from nicegui import background_tasks, ui
 
 import elastomdr as em
 
+from ..cli.schema import Content
 from ..cli.units import Temperature
 from ..errors import InputError, quiet
 from ..results.plot_curves import SAME_TEMPERATURE, grouped
@@ -125,7 +126,7 @@ class ComputedStage:
         """The kind of scene that is filled in."""
         return self._screen.kinds[self._key]
 
-    def content(self) -> dict[str, Any]:
+    def content(self) -> Content:
         """The scene as it is filled in."""
         scene = self._session.scenes[self._key]
         if self._key != "compare":
@@ -340,13 +341,13 @@ class ComputedStage:
         finally:
             self._button.enable()
 
-    def _computed(self, content: dict[str, Any]) -> Done:
+    def _computed(self, content: Content) -> Done:
         start = time.thread_time()
         computation = self._computed_as_asked(content)
         self._seconds = computation.seconds = time.thread_time() - start
         return computation
 
-    def _computed_as_asked(self, content: dict[str, Any]) -> Done:
+    def _computed_as_asked(self, content: Content) -> Done:
         folder, progress = self._session.folder, self._busy.progress
         if self._key != "traction":
             return compute(self._kind.verb, content, folder, progress)
@@ -416,7 +417,7 @@ class ComputedStage:
             ui.table(rows=rows, columns=columns)
 
 
-def roughly(content: dict[str, Any]) -> dict[str, Any]:
+def roughly(content: Content) -> Content:
     """A scene with few velocities and without draws."""
     content = copy.deepcopy(content)
     content.pop("uncertainty", None)
@@ -426,7 +427,7 @@ def roughly(content: dict[str, Any]) -> dict[str, Any]:
     return content
 
 
-def _with_measured(content: dict[str, Any], path: Path) -> Any:
+def _with_measured(content: Content, path: Path) -> Any:
     """The temperatures of a scene and, where they are few, those of measured points
     which have no curve.
     """

@@ -4,8 +4,10 @@ and cutoffs that move.
 
 import copy
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TypeAlias
 
 import msgspec
 from nicegui import background_tasks, ui
@@ -13,10 +15,11 @@ from nicegui import background_tasks, ui
 import elastomdr as em
 
 from ..cli import bodies as kinds
-from ..cli.schema import Table, decode, named
+from ..cli.schema import Content, Table, decode, named
 from ..errors import InputError
 from ..results.plot_contacts import draw_cutoffs
-from .chart import drawn
+from ..surface.spectrum import AbstractSpectrum
+from .chart import Drawn, drawn
 from .form import TableForm
 from .scene import CancelledError
 from .security import Folder
@@ -47,6 +50,9 @@ _USUAL = (100e-6, 10e-6, 3e-6)  # shortest waves that are offered [m]
 _ROUNDED = 1.01  # a length is typed with three digits
 _WIDEST = (1e-7, 1.0)  # wavelengths of a self-affine surface that a slider reaches [m]
 
+# longest and shortest wave as they are typed, and the rms slope between them
+Offer: TypeAlias = tuple[str, str, float]
+
 
 class Road(Table):
     """The rough surface of a scene.
@@ -58,6 +64,18 @@ class Road(Table):
     surface: kinds.AnySurface
 
 
+@dataclass(frozen=True)
+class Seen:
+    """What there is to see of a surface."""
+
+    drawn: Drawn
+    words: str  # its numbers
+    report: tuple[str, ...]  # of its reader
+    cutoffs: tuple[float, float]  # longest and shortest wave [m]
+    limits: tuple[float, float]  # of these
+    offers: tuple[Offer, ...]
+
+
 class RoadStage:
     """The screen."""
 
@@ -65,7 +83,7 @@ class RoadStage:
         self._session = session
         self._content = session.scenes["friction"]
         self._latest = Latest(self._redrawn)
-        self._seen: dict[str, Any] = copy.deepcopy(self._content["surface"])
+        self._seen: Content = copy.deepcopy(self._content["surface"])
         with ui.element("div").classes("stage"):
             with ui.element("div").classes("left"):
                 ui.label(
@@ -134,7 +152,7 @@ class RoadStage:
             return
         await self._take(surface)
 
-    async def _take(self, surface: dict[str, Any]) -> None:
+    async def _take(self, surface: Content) -> None:
         self._content["surface"] = surface
         await self.refresh()
 
@@ -182,7 +200,7 @@ class RoadStage:
         for slider in self._sliders.values():
             slider.show(False)
 
-    def _offer(self, offers: list[tuple[str, str, float]]) -> None:
+    def _offer(self, offers: Sequence[Offer]) -> None:
         """Asks for the cutoffs of a road that has none."""
         self._offers.clear()
         if not offers:
@@ -206,17 +224,17 @@ class RoadStage:
             if name in self.form.widgets:  # a topography has no longest wave to choose
                 self.form.set(name, wavelength)
 
-    def _show(self, seen: dict[str, Any]) -> None:
-        self._picture.show(seen["drawn"])
-        self._offer(seen["offers"])
-        self._words.show(with_signs(seen["words"]))
-        self._notes.show(seen["report"])
+    def _show(self, seen: Seen) -> None:
+        self._picture.show(seen.drawn)
+        self._offer(seen.offers)
+        self._words.show(with_signs(seen.words))
+        self._notes.show(seen.report)
         for name, slider in self._sliders.items():
             slider.show(name in self.form.widgets)
-            slider.set(seen["cutoffs"][name == _NAMES[1]], tuple(seen["limits"]))
+            slider.set(seen.cutoffs[name == _NAMES[1]], seen.limits)
 
 
-def look(content: dict[str, Any], session: Session) -> dict[str, Any]:
+def look(content: Content, session: Session) -> Seen:
     """What there is to see of a surface: its figure, its numbers, what its reader
     reports. Raises `InputError`.
     """
@@ -226,25 +244,25 @@ def look(content: dict[str, Any], session: Session) -> dict[str, Any]:
         road = asked.make(session.folder.path)
         uncut = isinstance(asked, kinds.Measured) and asked.shortest is None
         whole = road if uncut else _whole(asked, session.folder)
-    waves = [2 * math.pi / float(q) for q in (road.q_low, road.q_high)]
-    limits = list(reversed(_measured(whole))) if whole is not None else list(_WIDEST)
+    longest, shortest = (2 * math.pi / float(q) for q in (road.q_low, road.q_high))
+    widest, least = (_WIDEST[1], _WIDEST[0]) if whole is None else _measured(whole)
     words = (
         f"rms height   {1e6 * float(road.rms_height):.4g} um\n"
         f"rms slope    {float(road.rms_slope):.4g}, of a straight cut "
         f"{float(road.rms_slope) / math.sqrt(2):.4g}\n"
-        f"wavelengths  {length(waves[0])} to {length(waves[1])}"
+        f"wavelengths  {length(longest)} to {length(shortest)}"
     )
-    return {
-        "drawn": drawn(draw_cutoffs(road, whole)),
-        "words": words,
-        "report": list(getattr(road, "report", ())),
-        "cutoffs": waves,
-        "limits": limits,
-        "offers": _offers(asked, whole),
-    }
+    return Seen(
+        drawn(draw_cutoffs(road, whole)),
+        words,
+        tuple(getattr(road, "report", ())),
+        (longest, shortest),
+        (least, widest),
+        tuple(_offers(asked, whole)),
+    )
 
 
-def _offers(asked: Any, whole: Any) -> list[tuple[str, str, float]]:
+def _offers(asked: kinds.AnySurface, whole: AbstractSpectrum | None) -> list[Offer]:
     """Cutoffs to choose from, with the rms slope between them, for a spectrum or a
     topography that is given without any.
     """
@@ -267,13 +285,13 @@ def _offers(asked: Any, whole: Any) -> list[tuple[str, str, float]]:
     return [(first, last, slope) for last, (first, slope) in by_shortest.items()]
 
 
-def _measured(whole: Any) -> list[float]:
+def _measured(whole: AbstractSpectrum) -> tuple[float, float]:
     """The longest and the shortest wave of a table, but for what rounding may add [m]."""
     longest, shortest = (2 * math.pi / float(q) for q in (whole.q_low, whole.q_high))
-    return [longest / _ROUNDED, shortest * _ROUNDED]
+    return longest / _ROUNDED, shortest * _ROUNDED
 
 
-def _whole(asked: Any, folder: Folder) -> Any:
+def _whole(asked: kinds.AnySurface, folder: Folder) -> AbstractSpectrum | None:
     """The table or the heights that a surface is cut from; None where there are
     none.
     """
@@ -284,7 +302,7 @@ def _whole(asked: Any, folder: Folder) -> Any:
     return msgspec.structs.replace(asked, longest=None, shortest=None).make(folder.path)
 
 
-def recognised(folder: Folder, name: str) -> dict[str, Any]:
+def recognised(folder: Folder, name: str) -> Content:
     """What a dropped file is, as far as its reader can tell: a spectrum, else a
     topography.
     """

@@ -62,9 +62,9 @@ class RubberStage:
     def __init__(self, session: Session, changed: Any):
         self._session, self._changed = session, changed
         self._fitted: Any = None
-        self._shown: dict[str, Any] = {}  # what was asked of the fit that is shown
+        self._shown: Content = {}  # what was asked of the fit that is shown
         self._asked = ""  # the field whose answer a dropped file waits for
-        self._tried: dict[str, Any] = {}  # what was filled in without that answer
+        self._tried: Content = {}  # what was filled in without that answer
         session.rubber.setdefault("data", [])
         with ui.element("div").classes("stage"):
             with ui.element("div").classes("left"):
@@ -175,7 +175,7 @@ class RubberStage:
         self._show(fitted)
         self._changed(fitted.name)
 
-    def _ask(self, question: InputError, tried: dict[str, Any]) -> None:
+    def _ask(self, question: InputError, tried: Content) -> None:
         """Asks beside a field, and fits once it has its answer: chosen, or typed and
         left.
         """

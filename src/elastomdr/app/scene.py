@@ -24,7 +24,7 @@ import elastomdr as em
 from .. import __version__
 from ..cli.compute import how_drawn
 from ..cli.kinds import decoded
-from ..cli.schema import given, named
+from ..cli.schema import Content
 from ..errors import InputError, heard, quiet
 from ..results.base import Result
 from ..results.uncertainty import Uncertainty
@@ -52,18 +52,18 @@ class Done:
     """A computed scene; that of a comparison has a ranking as its result."""
 
     verb: str
-    content: dict[str, Any]
+    content: Content
     result: Any
     warnings: tuple[str, ...]
-    plot_options: dict[str, Any] = field(repr=False)
-    asked: dict[str, Any] = field(repr=False)  # as it was filled in
+    plot_options: Content = field(repr=False)
+    asked: Content = field(repr=False)  # as it was filled in
     more: str = ""  # what is said below the summary
     # files that it was computed with and that the page may replace, as they were
     made: dict[str, bytes] = field(default_factory=dict, repr=False)
     parts: Uncertainty | None = None  # what its uncertainty consists of
     seconds: float = 0.0  # of processor time that it took
 
-    def belongs_to(self, asked: dict[str, Any], folder: Folder) -> bool:
+    def belongs_to(self, asked: Content, folder: Folder) -> bool:
         """Whether it has been computed of this, with the files as they are now."""
         return without_empty(self.asked) == without_empty(asked) and all(
             (folder.path / name).read_bytes() == content
@@ -122,9 +122,7 @@ class Done:
         )
 
 
-def toml(
-    verb: str, content: dict[str, Any], stem: str, notes: tuple[str, ...] = ()
-) -> str:
+def toml(verb: str, content: Content, stem: str, notes: tuple[str, ...] = ()) -> str:
     """The scene file; its first lines say how it is run."""
     head = [
         f"# elastomdr {verb} {stem}.toml",
@@ -170,7 +168,7 @@ def bundle(
     return buffer.getvalue()
 
 
-def files_of(content: dict[str, Any]) -> list[str]:
+def files_of(content: Content) -> list[str]:
     """The files beside the scene that it names."""
     files, rubber = [], content.get("material", [])
     names = [*(rubber if isinstance(rubber, list) else [rubber]), content.get("other")]
@@ -185,7 +183,7 @@ def files_of(content: dict[str, Any]) -> list[str]:
 
 def compute(
     verb: str,
-    content: dict[str, Any],
+    content: Content,
     folder: Folder,
     progress: Callable[[int, int], None] | None = None,
 ) -> Done:
@@ -209,11 +207,7 @@ def compute(
         more = {"progress": progress} if tells else {}
         with scene.in_keys(), _within(arguments.get("friction")):
             result = call(**arguments, **more)
-        if verb == "compare":
-            if not result.materials:
-                raise InputError("material must be two or more to be compared.")
-            with named("[compare]"):
-                result = result.ranking(**given(scene.compare))  # type: ignore[attr-defined]
+        result = scene.outcome(result)
     texts = tuple(dict.fromkeys(spoken(each.message) for each in said))
     return Done(verb, content, result, texts, plot_options, content, made=made)
 
@@ -261,7 +255,7 @@ def _as_toml(value: Any) -> str:
     return tomli_w.dumps({"x": value}).removeprefix("x = ").rstrip("\n")
 
 
-def without_empty(content: dict[str, Any]) -> dict[str, Any]:
+def without_empty(content: Content) -> Content:
     """Without [numerics] as long as nothing stands in it."""
     return {key: value for key, value in content.items() if key != "numerics" or value}
 
@@ -276,8 +270,8 @@ _REPLACED = ("pressure", "load", "depth", "velocity")  # of its contact
 
 
 def compute_on_road(
-    wheel: dict[str, Any],
-    road: dict[str, Any],
+    wheel: Content,
+    road: Content,
     folder: Folder,
     progress: Callable[[int, int], None],
 ) -> Done:
@@ -319,9 +313,7 @@ def compute_on_road(
     return computation
 
 
-def _scene_of_friction(
-    wheel: dict[str, Any], road: dict[str, Any], folder: Folder
-) -> dict[str, Any]:
+def _scene_of_friction(wheel: Content, road: Content, folder: Folder) -> Content:
     """The friction screen's scene with the rubber of the wheel, at its temperatures,
     pressures and velocities.
     """
@@ -343,7 +335,7 @@ def _scene_of_friction(
     }
 
 
-def of_the_road(road: dict[str, Any]) -> dict[str, Any]:
+def of_the_road(road: Content) -> Content:
     """What a slip curve whose friction is computed takes of the friction screen."""
     contact = {
         key: value for key, value in road["contact"].items() if key not in _REPLACED
@@ -352,7 +344,7 @@ def of_the_road(road: dict[str, Any]) -> dict[str, Any]:
     return without_empty(taken) | {"contact": contact}
 
 
-def _needed(wheel: dict[str, Any], folder: Folder) -> tuple[np.ndarray, np.ndarray]:
+def _needed(wheel: Content, folder: Folder) -> tuple[np.ndarray, np.ndarray]:
     """Mean pressures of the contact [Pa] and sliding velocities [m/s] of a wheel."""
     content = wheel | {"friction": 1.0}
     scene: Any = decoded("traction", content)

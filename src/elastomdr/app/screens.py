@@ -3,6 +3,7 @@
 import copy
 from typing import Any, NamedTuple
 
+from ..cli.schema import Content
 from ..cli.seals import (
     BreakOutScene,
     LeakScene,
@@ -206,7 +207,7 @@ SEAL = Screen(
 )
 
 
-def preset(key: str, rubber: Any) -> dict[str, Any]:
+def preset(key: str, rubber: Any) -> Content:
     """What the form of a kind shows at first; `rubber` is that of the friction screen,
     taken where it was fitted or dropped on the page.
     """
@@ -220,7 +221,7 @@ _ROLL = {"shape": "cylinder", "radius": "79.5 mm", "length": "400 mm"}
 _GROUND = {"shape": "self_affine", "hurst": 0.8}
 _O_RING = {"diameter": "5 mm", "squeeze": 0.2}
 # by kind, with the rubber of the library that suits it
-_PRESETS: dict[str, tuple[dict[str, Any], str]] = {
+_PRESETS: dict[str, tuple[Content, str]] = {
     "rolling": (
         {
             "temperature": ["0 degC", "20 degC", "40 degC"],

@@ -11,6 +11,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
 from ..errors import InputError
 
 MOST_BYTES = 20_000_000  # of one file
@@ -37,7 +39,7 @@ class Guard:
 
     def __init__(
         self,
-        app: Any,
+        app: ASGIApp,
         token: str,
         *,
         bytes_: int = MOST_BYTES + _EXTRA,
@@ -50,7 +52,7 @@ class Guard:
             seconds,
         )
 
-    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "lifespan":
             return await self.app(scope, receive, send)
         if not self._known(scope):
@@ -67,7 +69,7 @@ class Guard:
             return await _refuse(scope, send, 413, _too_large())
         return await self._bounded(scope, receive, send)
 
-    def _known(self, scope: Any) -> bool:
+    def _known(self, scope: Scope) -> bool:
         first = scope["path"].split("/")[1:2]
         host = _header(scope, b"host").lower()
         good = bool(first) and hmac.compare_digest(
@@ -79,14 +81,14 @@ class Guard:
         origin = _header(scope, b"origin").lower()
         return good and here and origin in (b"", b"http://" + host)
 
-    async def _bounded(self, scope: Any, receive: Any, send: Any) -> None:
+    async def _bounded(self, scope: Scope, receive: Receive, send: Send) -> None:
         import asyncio
 
         end, got, answered = time.monotonic() + self._seconds, 0, False
         gone = False  # whether the browser has closed the connection
         refused: _TooMuchError | None = None
 
-        async def within() -> Any:
+        async def within() -> Message:
             nonlocal got, refused, gone
             if answered or scope["method"] in ("GET", "HEAD"):
                 # nothing but the end of the connection is awaited
@@ -108,7 +110,7 @@ class Guard:
                 raise refused
             return message
 
-        async def answer(message: Any) -> None:
+        async def answer(message: Message) -> None:
             nonlocal answered
             if refused is not None and not answered:
                 return  # the application's own answer to what stopped it
@@ -235,13 +237,13 @@ def _too_large() -> str:
     return f"A file must be {MOST_BYTES / 1e6:g} MB or less."
 
 
-def _header(scope: Any, name: bytes) -> bytes:
+def _header(scope: Scope, name: bytes) -> bytes:
     return next(
         (value for key, value in scope.get("headers", ()) if key.lower() == name), b""
     )
 
 
-async def _refuse(scope: Any, send: Any, status: int, message: str) -> None:
+async def _refuse(scope: Scope, send: Send, status: int, message: str) -> None:
     if scope["type"] == "websocket":
         return await send({"type": "websocket.close", "code": 1008})
     headers = [

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..cli.schema import Content
 from ..errors import InputError
 from .scene import Done
 from .security import Folder
@@ -27,12 +28,12 @@ class Session:
     name: str
     folder: Folder
     # by stage, as a scene file holds them
-    scenes: dict[str, dict[str, Any]] = field(default_factory=dict)
+    scenes: dict[str, Content] = field(default_factory=dict)
     done: dict[str, Done] = field(default_factory=dict)  # by stage
-    rubber: dict[str, Any] = field(default_factory=dict)  # what is asked of a fit
+    rubber: Content = field(default_factory=dict)  # what is asked of a fit
     question: InputError | None = None  # what a fit needs to know
     # by the name of the material's file
-    fits: dict[str, Any] = field(default_factory=dict)
+    fits: Content = field(default_factory=dict)
     # material's file to the command that makes it
     notes: dict[str, str] = field(default_factory=dict)
     place: str = ""  # the screen that is shown, "" for the first one
@@ -96,7 +97,7 @@ class Sessions:
             self._known.pop(old.name).folder.remove()
 
 
-def _start() -> dict[str, dict[str, Any]]:
+def _start() -> dict[str, Content]:
     """What the forms of friction show at first: materials of the library on a
     self-affine road.
     """

@@ -10,6 +10,7 @@ from nicegui import background_tasks, ui
 from ..checks import significant
 from ..fit.figures import draw_master, draw_shifts
 from ..fit.laws import fit_laws
+from ..fit.master import MasterCurve
 from .chart import Drawn, drawn
 from .session import DRAWING
 from .stage import BUTTON, Latest, Slider, worked
@@ -58,7 +59,9 @@ class ShiftEditor:
                 ui.button("Fit with these factors", on_click=self._taken).props(BUTTON)
         self._fold.visible = False
 
-    def edit(self, master: Any, offsets: np.ndarray | None = None) -> None:
+    def edit(
+        self, master: MasterCurve | None, offsets: np.ndarray | None = None
+    ) -> None:
         """Takes the master curve of a fit and the shifts by hand [decades], which it
         changes in place; None, or a single isotherm, hides it.
         """
@@ -146,7 +149,9 @@ class ShiftEditor:
         await self._use(f"T [degC],log10 a_T\n{table}".encode())
 
 
-def _figures(master: Any, offsets: np.ndarray, i: int) -> tuple[dict[str, Drawn], str]:
+def _figures(
+    master: MasterCurve, offsets: np.ndarray, i: int
+) -> tuple[dict[str, Drawn], str]:
     """Master curve and shift factors with these offsets, and what there is to say."""
     edited = _edited(master, offsets)
     shown = {
@@ -156,7 +161,7 @@ def _figures(master: Any, offsets: np.ndarray, i: int) -> tuple[dict[str, Drawn]
     return shown, _in_words(edited, i)
 
 
-def _edited(master: Any, offsets: np.ndarray) -> Any:
+def _edited(master: MasterCurve, offsets: np.ndarray) -> Any:
     """The master curve with isotherms moved from the fit [decades]; the smooth curve
     behind them stays that of the fit.
     """
@@ -170,7 +175,7 @@ def _edited(master: Any, offsets: np.ndarray) -> Any:
     )
 
 
-def _in_words(master: Any, i: int) -> str:
+def _in_words(master: MasterCurve, i: int) -> str:
     """Shift factor, overlap and law."""
     lines = [f"log10 a_T  {master.log10_a[i]:.3f} at {_celsius(master.temperature[i])}"]
     distance, count = overlap(master, i)
@@ -188,7 +193,7 @@ def _in_words(master: Any, i: int) -> str:
     return spoken("\n".join(lines))
 
 
-def overlap(master: Any, i: int) -> tuple[float, int]:
+def overlap(master: MasterCurve, i: int) -> tuple[float, int]:
     """How far an isotherm's storage moduli (or relaxation moduli) are from a line
     through those of its two neighbours, relative, rms, and how many points that are.
     """

@@ -11,6 +11,7 @@ from nicegui import ui
 import elastomdr as em
 
 from ..checks import significant
+from ..cli.schema import Content
 from ..cli.units import Length, Pressure, Temperature
 from ..errors import InputError
 from ..results.axes import place_in_words
@@ -35,7 +36,7 @@ class Sliders:
     "[contact] pressure" and "0.3 MPa".
     """
 
-    def __init__(self, content: dict[str, Any], moved: Callable[[str, str], Any]):
+    def __init__(self, content: Content, moved: Callable[[str, str], Any]):
         self._content = content
         self._done: Done | None = None
         with ui.element("div").classes("sliders"):
@@ -105,7 +106,7 @@ def _readings(result: em.FrictionCurve, velocity: float) -> Iterator[str]:
     """Friction of each curve at a velocity, of each point where that is the only one."""
     axis, curves = result.curves()
     bound = np.nan if result.model_error is None else result.model_error
-    found: dict[str, Any] = {kind: where(result.doubts, kind) for kind in _SAID}
+    found: Content = {kind: where(result.doubts, kind) for kind in _SAID}
     marks = {kind: points for kind, points in found.items() if points is not None}
     fields = np.broadcast_arrays(
         result.velocity, result.mu, result.error + bound, *marks.values()

@@ -4,10 +4,10 @@ import tempfile
 from collections.abc import Awaitable, Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 from nicegui import ui
 
+from ..cli.schema import Content
 from .cards import Cards
 from .chart import Drawn
 from .scene import CancelledError, Done, compute
@@ -17,7 +17,7 @@ from .stage import BUTTON, Busy, Picture, worked
 
 # A tread block on stone; its adhesive shear is illustrative, of the size that is found
 # for dry treads.
-EXAMPLE: dict[str, Any] = {
+EXAMPLE: Content = {
     "material": "tread-passenger-synthetic",
     "temperature": ["0 degC", "20 degC", "40 degC"],
     "surface": {

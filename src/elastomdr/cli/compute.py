@@ -5,14 +5,13 @@ write a table, a figure and more; `compare` a ranking, `plan` what would be comp
 
 import argparse
 import contextlib
-import dataclasses
 import os
 import sys
 import tempfile
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import elastomdr as em
 
@@ -21,8 +20,13 @@ from ..files import no_formula, write_files
 from . import DONE, NOT_CONVERGED
 from .kinds import read_scene
 from .scene import Scene
-from .schema import Arguments, given, named, of_key, path_from
-from .steady import BodyComparison, SurfaceComparison
+from .schema import Arguments, of_key, path_from
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..results.base import Result
+    from ..results.curve import Ranking
 
 _DPI = 200
 _SWEPT = ("friction", "rolling", "impact")  # calls that `elastomdr sweep` takes
@@ -42,33 +46,33 @@ def run(options: argparse.Namespace) -> int:
         with of_key(f"{path.name or path}:"):
             scene = read_scene(options.verb, path)
             arguments = scene.arguments(path.parent)
-            beside = scene.beside(path.parent)
+            beside: Any = scene.beside(path.parent)
+            compared = options.verb == "compare"
             shown = how_drawn(scene, arguments, path.parent)
-            stem = f"{path.stem}-{scene.called()}"
+            shown = {"title": scene.title} if compared else shown
+            stem = f"{path.stem}-{'compare' if compared else scene.called()}"
             with scene.in_keys(), em.progress(f"{scene.called()} of {path.name}"):
-                result = _computed(scene, arguments)
-                results = [result] + ([] if beside is None else [em.rolling(**beside)])
+                results = [_computed(scene, arguments)]
+                results += [] if beside is None else [em.rolling(**beside)]
+            outcomes = [scene.outcome(results[0]), *results[1:]]
         notes = _notes(path, scene)
         files: dict[str, Callable[[Path], object]] = {
-            f"{stem}.csv": lambda to: _write_table(result, to, notes),
-            f"{stem}.png": lambda to: _write_figure(_drawn(results, shown), to),
+            f"{stem}.csv": lambda to: _write_table(outcomes[0], to, notes),
+            f"{stem}.png": lambda to: _write_figure(_drawn(outcomes, shown), to),
         }
         if beside is not None:
             files[f"{path.stem}-rolling.csv"] = lambda to: _write_table(
                 results[1], to, notes
             )
-        files |= {
-            f"{stem}{end}": write for end, write in scene.further_files(result).items()
-        }
-        if (contact := _contact(arguments, result)) is not None:
-            files[f"{stem}-contact.png"] = lambda to: _write_figure(contact.plot(), to)
+        sentence = scene.said(results[0])
+        try:
+            further = scene.further_files(results[0])
+        except InputError as error:
+            further, sentence = {}, str(error)
+        files |= {f"{stem}{end}": write for end, write in further.items()}
         write_all(folder, files)
-        if scene.title:
-            print(scene.title)
-        for each in results:
-            print(each.summary())
-        if sentence := scene.said(result):
-            print(sentence)
+        said = [scene.title, *(each.summary() for each in outcomes), sentence]
+        print(*filter(None, said), sep="\n")
         print("wrote " + " and ".join(str(folder / name) for name in files))
     return DONE if all(r.converged.all() for r in results) else NOT_CONVERGED
 
@@ -184,46 +188,14 @@ def how_drawn(scene: Scene, arguments: Arguments, folder: Path) -> Arguments:
     return shown
 
 
-def _contact(arguments: Arguments, curve: Any) -> Any:
-    """Where the line of a surface touches at the largest friction; None where it is no
-    line or does not converge.
-    """
-    import numpy as np
-
-    model = arguments.get("model", em.Line() if "pressure" not in arguments else None)
-    if (
-        curve.materials
-        or getattr(curve, "lines", None) is None
-        or not curve.converged.any()
-    ):
-        return None
-    top = np.unravel_index(np.nanargmax(curve.mu), curve.mu.shape)
-    point: Arguments = {
-        "model": dataclasses.replace(model, average=False),
-        "velocity": curve.velocity[top],
-    }
-    point |= (
-        {"load": curve.normal_force[top]}
-        if curve.pressure is None
-        else {"pressure": curve.pressure[top]}
-    )
-    if curve.temperature is not None:
-        point["temperature"] = curve.temperature[top]
-        if curve.temperature_rise is not None:
-            point["temperature"] += curve.temperature_rise[top]
-    with quiet(em.ConvergenceWarning):
-        contact = em.line_contact(arguments["material"], arguments["shape"], **point)
-    return contact if contact.converged.all() else None
-
-
-def _notes(path: Path, scene: Any) -> str:
+def _notes(path: Path, scene: Scene) -> str:
     """What stands above the header of a table."""
     lines = [f"# scene: {path.name}"]
     lines += [f"# title: {' '.join(scene.title.split())}"] if scene.title else []
     return "".join(f"{no_formula(line)}\n" for line in lines)
 
 
-def _write_table(result: Any, path: Path, notes: str) -> None:
+def _write_table(result: "Result | Ranking", path: Path, notes: str) -> None:
     result.to_csv(path)
     path.write_text(notes + path.read_text(encoding="utf-8"), encoding="utf-8")
 
@@ -233,7 +205,7 @@ def _write_figure(axes: Any, path: Path) -> None:
     figure.savefig(path, dpi=_DPI, metadata={"Description": _in_words(figure)})
 
 
-def _in_words(figure: Any) -> str:
+def _in_words(figure: "Figure") -> str:
     """What a figure shows, a line each: its words, then its curves by their ends, for
     those who cannot see it, and to check whether a file is what a command writes today.
     """
@@ -256,37 +228,6 @@ def _curve_in_words(line: Any) -> str:
         return ""
     (x, y), (last, value) = ends[0], ends[-1]
     return f"{style} curve: {y:.4g} at {x:.4g} to {value:.4g} at {last:.4g}"
-
-
-def run_compare(options: argparse.Namespace) -> int:
-    """Computes, writes and prints; returns the exit status."""
-    path, folder = Path(options.scene), output_folder(options.out)
-    with warned_of_at_the_end():
-        with of_key(f"{path.name or path}:"):
-            scene = read_scene("compare", path)
-            assert isinstance(scene, SurfaceComparison | BodyComparison)
-            if len(scene.material) < 2:
-                raise InputError(
-                    "material must be a list of two or more to be compared."
-                )
-            arguments = scene.arguments(path.parent)
-            with scene.in_keys(), em.progress(f"comparing {path.name}"):
-                curve = _computed(scene, arguments)
-            with named("[compare]"):
-                ranking = curve.ranking(**given(scene.compare))
-        notes = _notes(path, scene)
-        files: dict[str, Callable[[Path], object]] = {
-            f"{path.stem}-compare.csv": lambda to: _write_table(ranking, to, notes),
-            f"{path.stem}-compare.png": lambda to: _write_figure(
-                ranking.plot(title=scene.title), to
-            ),
-        }
-        write_all(folder, files)
-        if scene.title:
-            print(scene.title)
-        print(ranking.summary())
-        print("wrote " + " and ".join(str(folder / name) for name in files))
-    return DONE if curve.converged.all() else NOT_CONVERGED
 
 
 def run_plan(options: argparse.Namespace) -> int:

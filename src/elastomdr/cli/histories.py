@@ -6,7 +6,7 @@ import abc
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import elastomdr as em
 
@@ -46,6 +46,9 @@ from .units import (
     Velocity,
 )
 
+if TYPE_CHECKING:
+    import numpy as np
+
 _RISE = 41  # instants of a rise
 
 
@@ -78,7 +81,7 @@ class Program(Table, tag_field="program"):
         return {"time": time, name: values}
 
     @abc.abstractmethod
-    def course(self, size: Any) -> tuple[Any, Any]:
+    def course(self, size: "np.ndarray") -> "tuple[np.ndarray, np.ndarray]":
         """Instants, and the values at them for histories of the given size."""
 
 
@@ -96,7 +99,7 @@ class Hold(Program, tag="hold"):
     rise: Pause | None = None
     spacing: Literal["log", "linear"] = "log"
 
-    def course(self, size: Any) -> tuple[Any, Any]:
+    def course(self, size: "np.ndarray") -> "tuple[np.ndarray, np.ndarray]":
         import numpy as np
 
         since = np.linspace(0, self.duration, self.points)
@@ -121,7 +124,7 @@ class Ramp(Program, tag="ramp"):
 
     duration: Duration
 
-    def course(self, size: Any) -> tuple[Any, Any]:
+    def course(self, size: "np.ndarray") -> "tuple[np.ndarray, np.ndarray]":
         import numpy as np
 
         fraction = np.linspace(0, 1, self.points)
@@ -141,7 +144,7 @@ class Triangle(Program, tag="triangle"):
     cycles: Cycles = 1
     rest: Pause | None = None
 
-    def course(self, size: Any) -> tuple[Any, Any]:
+    def course(self, size: "np.ndarray") -> "tuple[np.ndarray, np.ndarray]":
         import numpy as np
 
         kinks, heights = [0.0], [0.0]
@@ -169,7 +172,7 @@ class Sine(Program, tag="sine"):
     cycles: Cycles
     amplitude: str
 
-    def course(self, size: Any) -> tuple[Any, Any]:
+    def course(self, size: "np.ndarray") -> "tuple[np.ndarray, np.ndarray]":
         import numpy as np
 
         with of_key("amplitude"):
@@ -386,7 +389,7 @@ class DriveTable(Table):
 
     aside = True
 
-    def mount(self, load: Any) -> "em.Mount":
+    def mount(self, load: "np.ndarray | None") -> "em.Mount":
         """The drive as an object. Raises `InputError` for a history of depth."""
         if load is None:
             raise InputError(
@@ -407,7 +410,7 @@ class SurfaceDrive(DriveTable):
 
     normal_force: Force
 
-    def mount(self, load: Any) -> "em.Mount":
+    def mount(self, load: "np.ndarray | None") -> "em.Mount":
         whole = super().mount(load)
         if load is None or not load[-1] > 0:
             raise InputError(

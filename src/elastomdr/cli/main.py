@@ -150,9 +150,8 @@ def _parser() -> argparse.ArgumentParser:
         dest="verb", metavar="COMMAND", required=True, parser_class=_Parser
     )
     for verb, words in _SCENES.items():
-        run = "compute:run_compare" if verb == "compare" else "compute:run"
         files = f"Writes NAME-{verb}.csv and NAME-{verb}.png: {words}."
-        command = _added(commands, verb, run, words, files)
+        command = _added(commands, verb, "compute:run", words, files)
         _add_scene(command, "the scene to compute; its keys are listed below")
         command.add_argument(
             "--out",

@@ -176,6 +176,16 @@ class Scene(Table):
         """The function of elastomdr that computes the scene."""
         return self.call
 
+    def outcome(self, result: Any) -> Any:
+        """What is shown and written of a result: of a comparison the ranking. Raises
+        `InputError`.
+        """
+        compare = getattr(self, "compare", None)
+        if compare is None:
+            return result
+        with named("[compare]"):
+            return result.ranking(**given(compare))
+
     def said(self, result: Any) -> str:
         """What is printed below the summary of the result."""
         return ""
@@ -250,6 +260,8 @@ class OfBodies(Scene):
                 "other and [layer] exclude each other: two bodies are two "
                 "half-spaces in contact."
             )
+        if hasattr(self, "compare") and len(self.material) < 2:
+            raise InputError("material must be a list of two or more to be compared.")
 
     def rubbers(self, folder: Path) -> list[Any]:
         """The materials."""

@@ -494,8 +494,9 @@ class WheelTraction(_Traction):
         ends: dict[str, float | None] = {".tir": None}
         if len(distinct) > 1:
             ends = {f"-{each - 273.15:.6g}degC.tir": each for each in distinct}
-        for temperature in ends.values():
-            result.magic_formula(temperature=temperature)
+        with of_key("no .tir file:"):
+            for temperature in ends.values():
+                result.magic_formula(temperature=temperature)
         return {
             end: partial(result.to_tir, temperature=temperature, **size)
             for end, temperature in ends.items()

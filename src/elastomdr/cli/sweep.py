@@ -16,7 +16,7 @@ from ..errors import InputError
 from . import DONE, NOT_CONVERGED
 from .compute import warned_of_at_the_end
 from .kinds import decoded, read_content
-from .schema import Table, decode, of_key
+from .schema import Content, Table, decode, of_key
 
 _TABLE_ROWS = 1_000_000
 # slowest first
@@ -65,7 +65,7 @@ class Varied:
     names: tuple[str, ...]  # of the axes that are looked up
     values: tuple[tuple[Any, ...], ...]  # along each of them
     # one for each combination, the last axis fastest
-    arguments: tuple[dict[str, Any], ...]
+    arguments: tuple[Content, ...]
 
     @property
     def __name__(self) -> str:
@@ -125,7 +125,7 @@ def run(options: argparse.Namespace) -> int:
     return DONE if good == dataset.converged.size else NOT_CONVERGED
 
 
-def assembled(content: dict[str, Any], folder: Path) -> tuple[Varied, dict[str, Any]]:
+def assembled(content: Content, folder: Path) -> tuple[Varied, Content]:
     """The call of a sweep and its axes, from the content of a scene file. Raises
     `InputError`.
     """
@@ -172,8 +172,8 @@ def assembled(content: dict[str, Any], folder: Path) -> tuple[Varied, dict[str, 
 
 
 def _arguments(
-    verb: str, scene: dict[str, Any], chosen: dict[str, Any], folder: Path
-) -> tuple[dict[str, Any], dict[str, Any]]:
+    verb: str, scene: Content, chosen: Content, folder: Path
+) -> tuple[Content, Content]:
     """The arguments of the call for one choice of what varies: those that are looked
     up, and those that are arrays.
     """
@@ -191,11 +191,11 @@ def _arguments(
     return arguments, arrays
 
 
-def _as_lists(arrays: dict[str, Any]) -> dict[str, list[float]]:
+def _as_lists(arrays: Content) -> dict[str, list[float]]:
     return {name: values.tolist() for name, values in arrays.items()}
 
 
-def _put(scene: dict[str, Any], key: str, value: Any) -> None:
+def _put(scene: Content, key: str, value: Any) -> None:
     """Sets a key such as "surface.shortest". Raises `InputError` where the scene has no
     such table.
     """
@@ -289,9 +289,7 @@ def _write_table(dataset: Any, path: Path, header: list[str]) -> None:
     write_files({path: buffer.getvalue()})
 
 
-def _inputs(
-    call: Varied, content: dict[str, Any], path: Path
-) -> Iterator[tuple[str, str]]:
+def _inputs(call: Varied, content: Content, path: Path) -> Iterator[tuple[str, str]]:
     """What went in: scene and title, and each material and body that was computed,
     once.
     """
