@@ -188,7 +188,7 @@ def no_formula(line: str) -> str:
     return _FORMULA.sub(r"\1'", line)
 
 
-def _cell(value: Any) -> str:
+def _cell(value: object) -> str:
     if isinstance(value, float):
         return "" if value != value else repr(float(value))
     entry = no_formula(str(value))

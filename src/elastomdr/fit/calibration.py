@@ -74,7 +74,7 @@ Change = Callable[[Prony, Any, dict[str, Any]], tuple[Prony, Any]]
 
 
 def check(
-    names: Mapping[str, Any], material: Prony, shape: Any, scene: Mapping[str, Any]
+    names: Mapping[str, float], material: Prony, shape: object, scene: Mapping[str, Any]
 ) -> None:
     """Raises `InputError` for parameters that material, shape or scene do not have."""
     if {"c1", "c2"} & names.keys() and not isinstance(material.shift, WLF):
@@ -362,7 +362,7 @@ def _doubts(
 
 
 def _checked_data(
-    measured: Any, error: Any, parameters: int
+    measured: ArrayLike, error: ArrayLike | None, parameters: int
 ) -> tuple[np.ndarray, np.ndarray | None]:
     """The measurements and their errors, where these are given. Raises `InputError`."""
     data = np.asarray(as_float64("measured", measured))
@@ -380,7 +380,7 @@ def _checked_data(
 
 
 def _road_model(
-    shape: AbstractSpectrum, scene: dict[str, Any], spread: dict[str, float]
+    shape: AbstractSpectrum, scene: Mapping[str, Any], spread: dict[str, float]
 ) -> Any:
     """The model of a surface, fine enough for every cutoff that the search may reach."""
     finer = 10.0 ** min(spread["q_high"], 1.0) if "q_high" in spread else 1.0
@@ -481,7 +481,9 @@ def _solved(task: _Task) -> _Solution:
     return _Solution(point, computed, covariance, used, sigma, evaluations, converged)
 
 
-def _start(material: Prony, parameters: Any, own_model: bool) -> dict[str, float]:
+def _start(
+    material: Prony, parameters: Sequence[str] | Mapping[str, float], own_model: bool
+) -> dict[str, float]:
     """The parameters and where they start. Raises `InputError`."""
     needs_series("material", material, "a calibration")
     if not isinstance(material, Prony):
@@ -502,8 +504,10 @@ def _start(material: Prony, parameters: Any, own_model: bool) -> dict[str, float
             raise InputError(
                 f"parameters must be among {', '.join(MEANINGS)}, got {name!r}.{hint}"
             )
-        value = parameters[name] if isinstance(parameters, Mapping) else 0.0
-        if name == "cutoff" and not isinstance(parameters, Mapping):
+        value = 0.0
+        if isinstance(parameters, Mapping):
+            value = parameters[name]
+        elif name == "cutoff":
             value = float(np.log10(material.times[0])) if material.times.size else 0.0
         start[name] = float(as_float64(f"parameters[{name!r}]", value))
     return start
@@ -524,7 +528,7 @@ def _computer(
     last: dict[bytes, np.ndarray] = {}
 
     def compute(p: np.ndarray) -> np.ndarray:
-        values = dict(zip(names, p.tolist(), strict=True))
+        values: dict[str, float] = dict(zip(names, p.tolist(), strict=True))
         body, form, rest = applied(material, shape, scene, values, change)
         with quiet(ConvergenceWarning, ExtrapolationWarning, ModelWarning):
             if quantity == "friction":

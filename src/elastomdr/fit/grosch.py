@@ -4,10 +4,10 @@ Lond. A 274 (1963) 21-39).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -193,17 +193,17 @@ def friction_master(
 
     Source: Grosch 1963.
     """
-    known = error is not None and not isinstance(error, str)
-    given: dict[str, Any] = {
+    given: dict[str, ArrayLike] = {
         "velocity": velocity,
         "temperature": temperature,
         "mu": mu,
     }
-    if known:
+    known = error is not None and not isinstance(error, str)
+    if error is not None and not isinstance(error, str):
         given["error"] = error
     elif error is not None and error != "relative":
         raise InputError(f"error must be numbers, 'relative' or None, got {error!r}.")
-    v, t, friction, *sizes = _checked_data(**given)
+    v, t, friction, *sizes = _checked_data(given)
     finite("tolerance", scalar("tolerance", tolerance))
     number, temperatures = group(t, float(tolerance))
     if temperatures.size < 2 or friction.size < 8:
@@ -227,7 +227,7 @@ def friction_master(
     return _packed(points, temperatures, fit, reference, size)
 
 
-def _checked_data(**given: Any) -> list[np.ndarray]:
+def _checked_data(given: Mapping[str, ArrayLike]) -> list[np.ndarray]:
     """What was measured, one number per point each. Raises `InputError`."""
     arrays = {name: as_float64(name, value) for name, value in given.items()}
     shape = broadcast_shape(**arrays)

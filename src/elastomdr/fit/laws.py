@@ -140,15 +140,15 @@ def forms(reference: float, lowest: float) -> dict[str, LawForm]:
     """The laws about `reference` [K]; their poles are below `lowest` [K]."""
     room = reference - lowest + POLE
 
-    def wlf(p: np.ndarray, temperature: Any) -> Any:
+    def wlf(p: np.ndarray, temperature: float | np.ndarray) -> Any:
         above = temperature - reference
         return -np.exp(p[0]) * above / (room + np.exp(p[1]) + above)
 
-    def vft(p: np.ndarray, temperature: Any) -> Any:
+    def vft(p: np.ndarray, temperature: float | np.ndarray) -> Any:
         t0 = (lowest - POLE) / (1 + np.exp(-p[1]))
         return np.exp(p[0]) * (1 / (temperature - t0) - 1 / (reference - t0)) / _LN10
 
-    def arrhenius(p: np.ndarray, temperature: Any) -> Any:
+    def arrhenius(p: np.ndarray, temperature: float | np.ndarray) -> Any:
         return np.exp(p[0]) / GAS_CONSTANT * (1 / temperature - 1 / reference) / _LN10
 
     def wlf_constants(p: np.ndarray) -> tuple[Any, dict[str, float]]:
@@ -500,7 +500,7 @@ _MOST = 80  # points that are looked at
 _BEYOND = 3.0
 
 
-def given_law(shift: Any, dma: Dma) -> tuple[AbstractShift | None, str]:
+def given_law(shift: object, dma: Dma) -> tuple[AbstractShift | None, str]:
     """The law that a user gives, and where it comes from in words; (None, "") for None.
 
     Raises `InputError` for what is no law, and for "universal" where the data show no

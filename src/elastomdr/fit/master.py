@@ -79,7 +79,7 @@ _ONWARD = 100.0
 _DIGITS = 8
 
 
-def check_law(law: Any) -> None:
+def check_law(law: object) -> None:
     """Raises `InputError` unless `law` is one of `LAWS`."""
     if law not in LAWS:
         raise InputError(f"law must be one of {', '.join(LAWS)}, got {law!r}.")
@@ -296,9 +296,9 @@ _MOST = 100  # bands per decade
 def tabulate(
     master: "MasterCurve",
     per_decade: int,
-    shift: Any,
-    vertical: Any,
-    poisson: Any,
+    shift: AbstractShift | None,
+    vertical: AbstractVertical | None,
+    poisson: Number,
     name: str,
     citation: str,
 ) -> TabulatedModulus:

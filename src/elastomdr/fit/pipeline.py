@@ -10,7 +10,7 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from .. import __version__
 from ..checks import are_texts, in_si, scalar, significant
 from ..errors import InputError, advise, quiet
 from ..io.data import Dma, FitWarning, strains
+from ..material.format import Document
 from ..material.library import load_material, material_info, save_material
 from ..material.prony import Prony
 from ..material.shift import (
@@ -79,21 +80,24 @@ def deviations(material: Prony, dma: Dma) -> dict[str, np.ndarray]:
     """Relative deviations at each measured point, prediction over data minus one, by
     the name of the modulus.
 
-    `material` is of the kind of the data, and has a shift law.
+    `material` is of the kind of the data. Without a shift law there are none.
     """
+    law = material.shift
+    if law is None:
+        return {}
     times = np.asarray(material.times)
     moduli = np.asarray(material.moduli)
     equilibrium = float(material.equilibrium)
     parts = {}
     if dma.omega.size:
         b = _lift(material.vertical, dma.temperature)
-        x = (dma.omega * _factor(material.shift, dma.temperature))[:, None] * times
+        x = (dma.omega * _factor(law, dma.temperature))[:, None] * times
         parts["storage modulus"] = (
             b * (equilibrium + (moduli * x / (x + 1 / x)).sum(axis=1)) / dma.storage - 1
         )
         parts["loss modulus"] = b * (moduli / (x + 1 / x)).sum(axis=1) / dma.loss - 1
     if dma.time.size:
-        x = (dma.time / _factor(material.shift, dma.time_temperature))[:, None] / times
+        x = (dma.time / _factor(law, dma.time_temperature))[:, None] / times
         b = _lift(material.vertical, dma.time_temperature)
         parts["relaxation modulus"] = (
             b * (equilibrium + (moduli * np.exp(-x)).sum(axis=1)) / dma.relaxation - 1
@@ -102,9 +106,7 @@ def deviations(material: Prony, dma: Dma) -> dict[str, np.ndarray]:
 
 
 def misfit(material: Prony, dma: Dma) -> dict[str, float]:
-    """Root mean squares of `deviations`; none without a shift law."""
-    if material.shift is None:
-        return {}
+    """Root mean squares of `deviations`."""
     return {
         name: float(np.sqrt(np.mean(deviation**2)))
         for name, deviation in deviations(material, dma).items()
@@ -126,16 +128,18 @@ def with_misfit(material: Prony, dma: Dma) -> Prony:
     return replaced(material, range=material.range._replace(misfit=rows))
 
 
-def _lift(law: Any, temperature: np.ndarray) -> Any:
+def _lift(law: AbstractVertical | None, temperature: np.ndarray) -> float | np.ndarray:
     """b_T; 1 without a law."""
     return 1.0 if law is None else np.asarray(law.b(temperature))
 
 
-def _factor(law: Any, temperature: np.ndarray) -> np.ndarray:
+def _factor(law: AbstractShift, temperature: np.ndarray) -> np.ndarray:
     """a_T; a table ends at the mean of its last isotherm, and holds a little beyond."""
     try:
         return 10 ** np.asarray(law.log10_a(temperature))
     except InputError:
+        if not isinstance(law, ShiftTable):
+            raise
         low, high = (float(law.temperature[i]) for i in (0, -1))
         return 10 ** np.asarray(law.log10_a(np.clip(temperature, low, high)))
 
@@ -184,10 +188,8 @@ def draws(fit: MaterialFit, n: int, seed: int) -> Draws[Prony]:
     changes = spectrum @ by_moduli(fit.material, np.exp(log_omega)).T
     shift = _shifts(fit, log10_a, rng)
     each = [
-        changed(
-            fit.material,
-            change,
-            i + 1,
+        replaced(
+            changed(fit.material, change, i + 1),
             shift=shift(i),
             vertical=_vertical(fit, ln_b[i]),
         )
@@ -218,7 +220,7 @@ def _shifts(fit: MaterialFit, log10_a: np.ndarray, rng: np.random.Generator) -> 
     return lambda i: form.constants(np.clip(start + gain @ off[i], low, high))[0]
 
 
-def _along(fit: MaterialFit, table: Any, change: np.ndarray) -> np.ndarray:
+def _along(fit: MaterialFit, table: ShiftTable, change: np.ndarray) -> np.ndarray:
     """The shift factors of a table with their changes, zero at the reference
     temperature, falling.
     """
@@ -316,6 +318,7 @@ class MaterialFit(AbstractFindings):
             `material`.
         """
         material = self.material
+        assert material.poisson is not None  # no fit makes a constant bulk modulus
         return tabulate(
             self.master,
             per_decade,
@@ -349,7 +352,7 @@ class MaterialFit(AbstractFindings):
 
         return draws(self, n, seed)
 
-    def info(self) -> dict[str, Any]:  # texts, numbers and tables
+    def info(self) -> Document:
         """What a material file holds beside the numbers: description, range, sources
         with the quality of the fit.
         """
@@ -548,7 +551,7 @@ def material(
     check_law(law)
     if shift is not None and law != "auto":
         raise InputError(f"law must be left out where shift is given, got {law!r}.")
-    series = {
+    series: _Asked = {
         "terms": terms,
         "equilibrium": equilibrium,
         "balance": balance,
@@ -599,10 +602,21 @@ def _lowered(dma: Dma, law: AbstractVertical) -> Dma:
     )
 
 
+class _Asked(TypedDict):
+    """What `prony` is asked for."""
+
+    terms: int | None
+    equilibrium: bool | None
+    balance: float | None
+    poisson: float | None
+    name: str
+    citation: str
+
+
 def _fitted(
     master: MasterCurve,
     law: LawName,
-    series: dict[str, Any],
+    series: _Asked,
     description: str,
     vertical: AbstractVertical | None = None,
 ) -> MaterialFit:
@@ -680,7 +694,7 @@ def _misses(fit: MaterialFit) -> Iterator[str]:
         )
 
 
-def _lifted(law: Any, temperature: np.ndarray) -> str:
+def _lifted(law: AbstractVertical | None, temperature: np.ndarray) -> str:
     """A law of vertical shifts in words."""
     if law is None:
         return "none: the data ask for none, or none were looked for"

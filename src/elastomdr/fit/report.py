@@ -27,6 +27,8 @@ from .spectrum import LOSS, RELAXATION, STORAGE
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
+    from .._types import ArrayLike
+
 # --------------------------------------------------------------------------------------
 # What all results of a fit print in words, shift factors among it.
 # --------------------------------------------------------------------------------------
@@ -126,13 +128,13 @@ def dynamic_band(
     joint: Joint,
     state: AtReference,
     window: tuple[float, float],
-    omega: Any,
+    omega: ArrayLike,
     series: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None,
 ) -> DynamicBand:
     """The smooth curve of a joint fit, or a `series` through it, whose interval grows
     by its distance to the curve.
     """
-    omega = as_float64("omega", omega)
+    omega = np.asarray(as_float64("omega", omega))
     positive("omega", omega)
     flat = np.atleast_1d(omega).ravel()
     of_series = None if series is None else np.concatenate(series(flat))
@@ -154,11 +156,11 @@ def relaxation_band(
     joint: Joint,
     state: AtReference,
     window: tuple[float, float],
-    time: Any,
+    time: ArrayLike,
     series: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> RelaxationBand:
     """The same of the relaxation modulus."""
-    time = as_float64("time", time)
+    time = np.asarray(as_float64("time", time))
     positive("time", time)
     flat = np.atleast_1d(time).ravel()
     of_series = None if series is None else series(flat)
@@ -376,7 +378,7 @@ def plain_card(material: Prony) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _check_series(material: Any, purpose: str) -> None:
+def _check_series(material: object, purpose: str) -> None:
     needs_series("material", material, purpose)
     if not isinstance(material, Prony):
         raise InputError(f"material must be a Prony, got {type(material).__name__}.")

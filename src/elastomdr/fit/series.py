@@ -8,7 +8,7 @@ import itertools
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
@@ -37,6 +37,7 @@ from .terms import (
     Data,
     Met,
     SlowEnd,
+    Terms,
     check_terms,
     choose_terms,
     slow_end,
@@ -49,7 +50,7 @@ if TYPE_CHECKING:
     from jaxtyping import Float
     from matplotlib.axes import Axes
 
-    from .._types import ArrayLike, Kind, Style
+    from .._types import ArrayLike, Kind, Number, Style
     from ..material.shift import AbstractShift, AbstractVertical
 
 # --------------------------------------------------------------------------------------
@@ -518,8 +519,11 @@ def prony(
     Source: `docs/fitting.md`.
     """
     master = omega if isinstance(omega, MasterCurve) else None
-    given: Any = (omega, storage, loss, time, relaxation) if master is None else master
-    measured = _Measured.of(given)
+    measured = _Measured.of(
+        (omega, storage, loss, time, relaxation)
+        if master is None
+        else tuple(getattr(master, name) for name in _Measured._fields)
+    )
     if kind is None:
         kind = "shear" if master is None else master.kind
     one_of("kind", kind, *KINDS)
@@ -536,9 +540,13 @@ def prony(
     if kind == "tensile" and poisson is None:
         warnings = (*warnings, _INCOMPRESSIBLE)
     tell(warnings)
-    material = series.material(
-        measured.omega,
-        None if master is None else master.measured_at,
+    material = Prony(
+        series.equilibrium,
+        series.moduli,
+        series.times,
+        range=series.known(
+            measured.omega, None if master is None else master.measured_at
+        ),
         kind=kind,
         poisson=0.5 if poisson is None else poisson,
         shift=shift,
@@ -548,7 +556,16 @@ def prony(
     )
     return PronyFit(
         material=material,
-        **series.quality(),
+        storage_residual=series.rms("storage"),
+        loss_residual=series.rms("loss"),
+        relaxation_residual=series.rms("relaxation"),
+        residuals=series.parts(),
+        equilibrium_std=series.equilibrium_std,
+        equilibrium_interval=series.interval,
+        moduli_std=series.moduli_std,
+        times_std=series.times_std,
+        covariance=series.covariance,
+        converged=series.converged,
         **measured._asdict(),
         kind=kind,
         warnings=warnings,
@@ -569,11 +586,9 @@ class _Measured(NamedTuple):
     relaxation: np.ndarray  # [Pa]
 
     @classmethod
-    def of(cls, given: Any) -> Self:
-        """From lists in this order, or what has them by name. Raises `InputError`."""
+    def of(cls, given: tuple[object, ...]) -> Self:
+        """From lists in this order. Raises `InputError`."""
         names = cls._fields
-        if not isinstance(given, tuple):
-            given = tuple(getattr(given, name) for name in names)
         return cls(*lists(names[:3], given[:3]), *lists(names[3:], given[3:]))
 
     def points(self) -> MeasuredPoints:
@@ -600,7 +615,7 @@ class _Measured(NamedTuple):
         return points
 
 
-def _checked_options(equilibrium: Any, balance: Any) -> float | None:
+def _checked_options(equilibrium: object, balance: Number | None) -> float | None:
     """The balance. Raises `InputError`."""
     if not isinstance(equilibrium, bool | None):
         raise InputError(
@@ -627,7 +642,9 @@ class _Series(NamedTuple):
     times_std: np.ndarray
     covariance: np.ndarray
     end: SlowEnd
-    limits: Any  # frequencies between which the data determine the series
+    limits: (
+        tuple[float, float] | tuple[()]
+    )  # frequencies between which the data determine the series
     converged: bool
 
     @property
@@ -649,23 +666,8 @@ class _Series(NamedTuple):
         deviation = self.residuals_of(name)
         return float(np.sqrt(np.mean(deviation**2))) if deviation.size else float("nan")
 
-    def quality(self) -> dict[str, Any]:
-        """The fields of a `PronyFit` that say how well the series is known."""
-        return {
-            "storage_residual": self.rms("storage"),
-            "loss_residual": self.rms("loss"),
-            "relaxation_residual": self.rms("relaxation"),
-            "residuals": self.parts(),
-            "equilibrium_std": self.equilibrium_std,
-            "equilibrium_interval": self.interval,
-            "moduli_std": self.moduli_std,
-            "times_std": self.times_std,
-            "covariance": self.covariance,
-            "converged": self.converged,
-        }
-
     def doubts(
-        self, data: Data, joint: Joint, trades: Any, omega: np.ndarray
+        self, data: Data, joint: Joint, trades: tuple[Met, ...], omega: np.ndarray
     ) -> tuple[str, ...]:
         """What cannot be relied on."""
         judged = JudgedSeries(
@@ -682,16 +684,17 @@ class _Series(NamedTuple):
         )
         return tuple(of_series(judged))
 
-    def material(self, omega: np.ndarray, measured_at: Any, **options: Any) -> Prony:
-        """The series as a material, which knows its range and its misfit."""
+    def known(
+        self, omega: np.ndarray, measured_at: tuple[float, float] | None
+    ) -> Range:
+        """The range of the series as a material, and its misfit."""
         misfit = misfit_bands(
             omega, self.residuals_of("storage"), self.residuals_of("loss")
         )
-        known = Range(self.limits, measured_at, misfit=misfit)
-        return Prony(self.equilibrium, self.moduli, self.times, range=known, **options)
+        return Range(self.limits, measured_at, misfit=misfit)
 
 
-def _solved(data: Data, joint: Joint, state: AtReference, chosen: Any) -> _Series:
+def _solved(data: Data, joint: Joint, state: AtReference, chosen: Terms) -> _Series:
     """The series of a choice of terms, with its uncertainty."""
     points, noise = data.points, data.noise
     off = chosen.posterior.residuals[: points.channel.size]

@@ -3,7 +3,7 @@ other, and between which values the equilibrium modulus lies.
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import nnls
@@ -90,7 +90,7 @@ def most_terms(log_rate: np.ndarray) -> int:
     return max(1, int(np.floor(_MOST_PER_DECADE * decades)))
 
 
-def check_terms(terms: Any, log_rate: np.ndarray) -> None:
+def check_terms(terms: object, log_rate: np.ndarray) -> None:
     """Raises `InputError` for a number of terms that is none, or far more than data
     over this range may have.
     """

@@ -19,6 +19,7 @@ from ..files import as_path
 from .format import (
     SHIFT_KEYS,
     VERTICAL_KEYS,
+    Document,
     brief,
     is_tabulated,
     read_document,
@@ -27,7 +28,10 @@ from .format import (
 
 if TYPE_CHECKING:
     from .prony import Prony
+    from .shift import AbstractShift, AbstractVertical
+    from .softening import Softening
     from .tabulated import TabulatedModulus
+    from .validity import Range
 
 SEARCH_VARIABLE = "ELASTOMDR_MATERIALS"
 ENTRY_POINTS = "elastomdr.materials"
@@ -99,7 +103,7 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedMod
     return material
 
 
-def material_info(name_or_path: str | os.PathLike[str]) -> dict[str, Any]:
+def material_info(name_or_path: str | os.PathLike[str]) -> Document:
     """What the file says about a material, without its lists: description, sources and
     grades, ranges, the path.
 
@@ -311,7 +315,7 @@ def _files() -> dict[str, list[Path]]:
     return files
 
 
-def _series(material: "Prony") -> dict[str, Any]:
+def _series(material: "Prony") -> Document:
     return {
         "bulk": None if material.bulk is None else float(material.bulk),
         "equilibrium": float(material.equilibrium),
@@ -321,7 +325,7 @@ def _series(material: "Prony") -> dict[str, Any]:
     }
 
 
-def _tabulated(material: "TabulatedModulus") -> dict[str, Any]:
+def _tabulated(material: "TabulatedModulus") -> Document:
     lists = {
         "omega": material.omega,
         "storage": material.storage_table,
@@ -330,7 +334,7 @@ def _tabulated(material: "TabulatedModulus") -> dict[str, Any]:
     return {key: [float(value) for value in values] for key, values in lists.items()}
 
 
-def _softening_table(softening: Any) -> dict[str, Any] | None:
+def _softening_table(softening: "Softening | None") -> Document | None:
     keys = ("strain", "storage", "loss")
     return (
         None
@@ -339,7 +343,7 @@ def _softening_table(softening: Any) -> dict[str, Any] | None:
     )
 
 
-def _misfit_table(known: Any) -> dict[str, list[float]] | None:
+def _misfit_table(known: "Range | None") -> dict[str, list[float]] | None:
     if known is None or not known.misfit:
         return None
     return dict(zip(_MISFIT, map(list, zip(*known.misfit, strict=True)), strict=True))
@@ -355,7 +359,7 @@ def _law(table: Mapping[str, Any] | None, classes: Mapping[str, str]) -> Any:
     return getattr(shift, classes[table["law"]])(**numbers)
 
 
-def _range(document: Mapping[str, Any]) -> Any:
+def _range(document: Document) -> "Range | None":
     """Where the numbers hold, as the file says; what has no meaning there is for
     `check_material` to find.
     """
@@ -392,8 +396,11 @@ def _citation(source: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def _law_table(
-    name: str, law: Any, classes: Mapping[str, str], keys: Mapping[str, Any]
-) -> dict[str, Any] | None:
+    name: str,
+    law: "AbstractShift | AbstractVertical | None",
+    classes: Mapping[str, str],
+    keys: Mapping[str, Any],
+) -> Document | None:
     """A shift law as the table of a file; `keys` has the names of its numbers."""
     if law is None:
         return None

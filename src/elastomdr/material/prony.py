@@ -140,7 +140,7 @@ class Prony(AbstractRelaxation):
         if kind == "tensile" and bulk is not None:
             self._check_bulk(law, bulk)
 
-    def _check_bulk(self, law: Relaxation, bulk: Any) -> None:
+    def _check_bulk(self, law: Relaxation, bulk: Array) -> None:
         """Raises `InputError` where Young's modulus would exceed 9 times the bulk
         modulus.
         """
@@ -308,7 +308,7 @@ def StandardSolid(
     return Prony(equilibrium, *_one_branch(modulus, time), **properties)
 
 
-def _one_branch(modulus: Any, time: Any) -> tuple[Array, Array]:
+def _one_branch(modulus: Number, time: Number) -> tuple[Array, Array]:
     modulus, time = scalar("modulus", modulus), scalar("time", time)
     not_negative("modulus", modulus)
     positive("time", time)

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import abc
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -42,7 +42,7 @@ from ..trees import Tree
 if TYPE_CHECKING:
     from jaxtyping import Float
 
-    from .._types import ArrayLike, ComplexArray
+    from .._types import ArrayLike, ComplexArray, Number
 
 
 _APART = 1e-12  # relative distance of equal times that cannot be made one
@@ -168,7 +168,9 @@ class KelvinChain(Tree):
     fluidity: Float[Array, ""]  # phi [1/(Pa s)]
 
 
-def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxation:
+def checked(
+    equilibrium: Number, moduli: ArrayLike, times: ArrayLike, viscosity: Number
+) -> Relaxation:
     """A `Relaxation` from a user's numbers, or an `InputError` that names what is wrong
     with them.
     """
@@ -194,7 +196,7 @@ def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxa
     return Relaxation(equilibrium, moduli, times, viscosity)
 
 
-def poisson_ratio(poisson: Any) -> Array:
+def poisson_ratio(poisson: Number) -> Array:
     """A constant Poisson's ratio as a scalar. Raises `InputError`."""
     poisson = scalar("poisson", poisson)
     accepted = "above -1 and at most 0.5"
@@ -221,7 +223,7 @@ def in_order(moduli: Array, times: Array) -> tuple[Array, Array]:
     return (same * moduli).sum(axis=1), times
 
 
-def scaled(law: Relaxation, factor: Any) -> Relaxation:
+def scaled(law: Relaxation, factor: Array | float) -> Relaxation:
     """`factor` times the relaxation function."""
     return Relaxation(
         law.equilibrium * factor, law.moduli * factor, law.times, law.viscosity * factor
@@ -351,7 +353,7 @@ def series(first: Relaxation, second: Relaxation) -> Relaxation:
     )
 
 
-def spring(modulus: Any) -> Relaxation:
+def spring(modulus: Array) -> Relaxation:
     """A purely elastic body."""
     return Relaxation(modulus, np.zeros(0), np.zeros(0), np.zeros(()))
 

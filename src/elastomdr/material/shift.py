@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import abc
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -49,7 +49,7 @@ class _TemperatureLaw(Tree):
         return written(self)
 
     @abc.abstractmethod
-    def _check(self, temperature: Any) -> None:
+    def _check(self, temperature: Array) -> None:
         """Raises `InputError` where the law does not hold."""
 
     @property
@@ -130,7 +130,7 @@ class WLF(AbstractShift):
         above = temperature - self.reference
         return -self.c1 * above / (self.c2 + above)
 
-    def _check(self, temperature: Any) -> None:
+    def _check(self, temperature: Array) -> None:
         _above_pole("WLF", temperature, self.reference - self.c2)
 
     def at_reference(self, temperature: Number) -> "WLF":
@@ -177,7 +177,7 @@ class VFT(AbstractShift):
             / _LN10
         )
 
-    def _check(self, temperature: Any) -> None:
+    def _check(self, temperature: Array) -> None:
         _above_pole("VFT", temperature, self.t0)
 
     def to_wlf(self) -> WLF:
@@ -206,7 +206,7 @@ class Arrhenius(AbstractShift):
             self.energy / GAS_CONSTANT * (1 / temperature - 1 / self.reference) / _LN10
         )
 
-    def _check(self, temperature: Any) -> None:
+    def _check(self, temperature: Array) -> None:
         pass
 
 
@@ -249,7 +249,7 @@ class ShiftTable(AbstractShift):
     def _log10_a(self, temperature: Array) -> Array:
         return _of_table(self.temperature, self.log10_a_table, self.slopes, temperature)
 
-    def _check(self, temperature: Any) -> None:
+    def _check(self, temperature: Array) -> None:
         _within_table("shift table", self.temperature, temperature)
 
     @property
@@ -257,7 +257,7 @@ class ShiftTable(AbstractShift):
         return float(self.temperature[-1])
 
 
-def _above_pole(law: str, temperature: Any, pole: Any) -> None:
+def _above_pole(law: str, temperature: Array, pole: Array) -> None:
     if not is_traced(pole):
         limit = float(pole)
         accepted = f"above the {law} pole at {limit:g} K, where the law breaks down"
@@ -299,7 +299,7 @@ class EntropicVertical(AbstractVertical):
     def _b(self, temperature: Array) -> Array:
         return temperature / self.reference
 
-    def _check(self, temperature: Any) -> None:
+    def _check(self, temperature: Array) -> None:
         pass
 
 
@@ -335,7 +335,7 @@ class VerticalTable(AbstractVertical):
     def _b(self, temperature: Array) -> Array:
         return _of_table(self.temperature, self.factor, self.slopes, temperature)
 
-    def _check(self, temperature: Any) -> None:
+    def _check(self, temperature: Array) -> None:
         _within_table("table of vertical shifts", self.temperature, temperature)
 
     @property
@@ -343,13 +343,24 @@ class VerticalTable(AbstractVertical):
         return float(self.temperature[-1])
 
 
-def _of_table(nodes: Any, values: Any, slopes: Any, temperature: Array) -> Array:
+class Shifted(Protocol):
+    """A body whose moduli may depend on temperature."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def shift(self) -> AbstractShift | None: ...
+    @property
+    def vertical(self) -> AbstractVertical | None: ...
+
+
+def _of_table(nodes: Array, values: Array, slopes: Array, temperature: Array) -> Array:
     """Monotone cubics through a table; NaN outside."""
     inside = (temperature >= nodes[0]) & (temperature <= nodes[-1])
     return xp.where(inside, hermite(nodes, values, slopes, temperature), xp.nan)
 
 
-def _within_table(table: str, nodes: Any, temperature: Any) -> None:
+def _within_table(table: str, nodes: Array, temperature: Array) -> None:
     """Raises `InputError` for temperatures that a table does not hold."""
     if is_traced(nodes):
         return
@@ -358,7 +369,7 @@ def _within_table(table: str, nodes: Any, temperature: Any) -> None:
     require("temperature", temperature, accepted, lambda t: (t >= low) & (t <= high))
 
 
-def check_laws(shift: Any, vertical: Any) -> None:
+def check_laws(shift: object, vertical: object) -> None:
     """Raises `InputError` unless they are a shift law and a law of vertical shifts;
     either may be None.
     """
@@ -373,7 +384,7 @@ def check_laws(shift: Any, vertical: Any) -> None:
         )
 
 
-def thermal_factors(body: Any, temperature: Any) -> tuple[Any, Any]:
+def thermal_factors(body: Shifted, temperature: ArrayLike) -> tuple[Any, Any]:
     """a_T and b_T of a material or foundation at temperatures [K]; 1 for a law that it
     does not have.
 
@@ -389,7 +400,7 @@ def thermal_factors(body: Any, temperature: Any) -> tuple[Any, Any]:
     return a, 1.0 if body.vertical is None else body.vertical.b(temperature)
 
 
-def _brief(temperature: Any) -> str:
+def _brief(temperature: ArrayLike) -> str:
     if is_traced(temperature):
         return "traced"
     values = np.asarray(temperature, dtype=float)
@@ -401,7 +412,7 @@ def _brief(temperature: Any) -> str:
     )
 
 
-def same_thermal(one: Any, other: Any) -> bool:
+def same_thermal(one: Shifted, other: Shifted) -> bool:
     """Whether two bodies shift alike with the temperature; under a transformation of
     JAX as far as can be seen.
     """
@@ -410,7 +421,7 @@ def same_thermal(one: Any, other: Any) -> bool:
     )
 
 
-def _same(first: Any, second: Any) -> bool:
+def _same(first: _TemperatureLaw | None, second: _TemperatureLaw | None) -> bool:
     if first is None or second is None or is_traced(first, second):
         return first is second
     return bool(same(first, second))

@@ -4,7 +4,7 @@ amplitude of strain.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -124,7 +124,7 @@ class Softening(Tree):
         """
         return xp.asarray(strain) > self.strain[-1]
 
-    def _factors_at(self, strain: Any) -> Any:
+    def _factors_at(self, strain: Array) -> Array:
         """Both factors, (2, ...)."""
         nodes = xp.log(xp.asarray(self.strain))
         values = xp.stack([xp.asarray(self.storage), xp.asarray(self.loss)])
@@ -181,7 +181,7 @@ def _falling(storage: np.ndarray) -> np.ndarray:
     return storage
 
 
-def as_softening(softening: Any) -> Softening | None:
+def as_softening(softening: object) -> Softening | None:
     """An `em.Softening` as it is, or None; raises `InputError` for anything else."""
     if softening is not None and not isinstance(softening, Softening):
         raise InputError(

@@ -22,7 +22,7 @@ back within 0.04 % at ten points per decade, and within 0.7 % by straight lines.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 
@@ -121,7 +121,7 @@ class AbstractTable(Tree):
         raise InputError(_no_history("instantaneous", self))
 
     @numpy_unless_traced
-    def _moduli(self, omega: Any) -> tuple[Array, Array]:
+    def _moduli(self, omega: ArrayLike) -> tuple[Array, Array]:
         omega = as_float64("omega", omega)
         not_negative("omega", omega)
         log_omega = xp.log(xp.clip(omega, self.omega[0], self.omega[-1]))
@@ -295,7 +295,7 @@ class TabulatedModulus(AbstractTable):
         )
 
     @numpy_unless_traced
-    def _as(self, kind: Kind, factor: Any) -> "TabulatedModulus":
+    def _as(self, kind: Kind, factor: Array | float) -> "TabulatedModulus":
         return TabulatedModulus(
             self.omega,
             self.storage_table * factor,
@@ -356,7 +356,7 @@ def _no_history(name: str, table: AbstractTable) -> str:
     )
 
 
-def needs_series(name: str, material: Any, purpose: str) -> None:
+def needs_series(name: str, material: object, purpose: str) -> None:
     """Raises `InputError` where a table of moduli is given for what needs a Prony
     series.
     """

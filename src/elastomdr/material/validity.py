@@ -23,6 +23,9 @@ from ..trees import replaced
 if TYPE_CHECKING:
     from jaxtyping import Bool
 
+    from .._types import ArrayLike
+    from .prony import Prony
+
 
 _ROUNDING = 1e-6  # relative, by which a frequency may lie outside and count as inside
 _KELVIN = 0.5  # by how much a temperature may: no data are closer to their own
@@ -59,7 +62,7 @@ class Range(NamedTuple):
     # of no particular rubber: the file grades the moduli themselves as illustrative
     illustrative_moduli: bool = False
 
-    def at(self, temperature: Any, factor: Any) -> "Range | None":
+    def at(self, temperature: Array, factor: Array | float) -> "Range | None":
         """The range at one temperature [K], where relaxation times are `factor` times
         longer; None while JAX traces.
         """
@@ -156,7 +159,7 @@ class Range(NamedTuple):
 RangeLike: TypeAlias = "Range | dict[str, tuple[float, float]] | dict[str, list[float]]"
 
 
-def as_range(value: Any, illustrative: bool = False) -> Range | None:
+def as_range(value: object, illustrative: bool = False) -> Range | None:
     """A `Range` from one, from None, or from a dict such as {"omega": (1e-2, 1e6),
     "temperature": (263.15, 333)}.
 
@@ -214,13 +217,13 @@ def shared(one: Range | None, other: Range | None) -> Range | None:
     )
 
 
-def material_in_words(material: Any) -> list[tuple[str, str]]:
+def material_in_words(material: object) -> list[tuple[str, str]]:
     """The inputs of a result that say of which rubber it is."""
     return [("material", getattr(material, "name", "") or "given directly")]
 
 
 def misfit_bands(
-    omega: Any, storage: Any, loss: Any
+    omega: ArrayLike, storage: ArrayLike, loss: ArrayLike
 ) -> tuple[tuple[float, float, float], ...]:
     """The deviations of a material from its data as `Range.misfit` records them: root
     mean squares, four a decade.
@@ -236,7 +239,8 @@ def misfit_bands(
         One row for each band with data: its middle [rad/s], and both root mean squares,
             to three digits.
     """
-    omega, squares = np.asarray(omega, dtype=float), np.square([storage, loss])
+    omega = np.asarray(omega, dtype=float)
+    squares = np.square([np.asarray(storage), np.asarray(loss)])
     band = np.floor(_BANDS * np.log10(omega)).astype(int)
     rows = []
     for number in np.unique(band):
@@ -318,13 +322,13 @@ class Draws(list[T]):
         return type(self), (list(self), self.name, self.words)
 
 
-def check_draws(n: Any, seed: Any) -> None:
+def check_draws(n: object, seed: object) -> None:
     """Raises `InputError` unless they are whole numbers, of draws at least two."""
     for name, value, least in (("n", n, 2), ("seed", seed, 0)):
         whole_number(name, value, least)
 
 
-def drawn_from_misfit(material: Any, n: int, seed: int) -> Draws:
+def drawn_from_misfit(material: Prony, n: int, seed: int) -> Draws[Prony]:
     """Draws of a series from its recorded misfit. Raises `InputError` where it has
     none.
     """
@@ -360,7 +364,7 @@ def root_of(covariance: np.ndarray) -> np.ndarray:
     return vectors * np.sqrt(np.maximum(values, 0.0))
 
 
-def by_moduli(material: Any, omega: np.ndarray) -> np.ndarray:
+def by_moduli(material: Prony, omega: np.ndarray) -> np.ndarray:
     """Takes changes of ln storage and ln loss modulus at `omega` to changes of ln
     equilibrium and ln moduli.
     """
@@ -378,8 +382,8 @@ def by_moduli(material: Any, omega: np.ndarray) -> np.ndarray:
     return np.linalg.solve(seen.T @ seen + _RIDGE * np.eye(seen.shape[1]), seen.T)
 
 
-def changed(material: Any, change: np.ndarray, number: int, **laws: Any) -> Any:
-    """A draw: equilibrium and moduli times exp(change), with laws of shifts of its own.
+def changed(material: Prony, change: np.ndarray, number: int) -> Prony:
+    """A draw: equilibrium and moduli times exp(change).
 
     It has no misfit, which would otherwise be counted twice: among the draws, and in
     the error of each.
@@ -393,5 +397,4 @@ def changed(material: Any, change: np.ndarray, number: int, **laws: Any) -> Any:
         moduli=material.moduli * factors[1:],
         name=name,
         range=known,
-        **laws,
     )

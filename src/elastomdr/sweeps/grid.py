@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..checks import as_float64, is_traced
 from ..errors import InputError
 from ..material.validity import Draws
 from ..results.base import distinct
-from .identity import described
+from .identity import Json, described
 
 _BODIES = ("shape", "surface")
 _STEADY = ("velocity", "load", "depth", "pressure", "temperature", "direction")
@@ -77,7 +77,7 @@ class Grid(NamedTuple):
 
     call: Callable[..., Any]
     axes: list[SweepAxis]
-    fixed: dict[str, Any]
+    fixed: dict[str, object]
     draws: bool = False  # whether the first axis numbers draws among the arguments
 
     @property
@@ -132,10 +132,10 @@ class Grid(NamedTuple):
 
     def calls(
         self, chunk: tuple[slice, ...]
-    ) -> Iterator[tuple[tuple[Any, ...], dict[str, Any]]]:
+    ) -> Iterator[tuple[tuple[int | slice, ...], dict[str, object]]]:
         """The calls of a chunk: where their points lie in it, and their arguments."""
         together = [axis for axis in self.axes if axis.broadcast]
-        arrays: dict[str, Any] = {}
+        arrays: dict[str, object] = {}
         for i, axis in enumerate(together):
             along = chunk[self.axes.index(axis)]
             values = np.asarray(axis.values[along], dtype=float)
@@ -150,17 +150,17 @@ class Grid(NamedTuple):
                 axis.name: axis.values[i]
                 for (_, axis), i in zip(one_by_one, places, strict=True)
             }
-            where: list[Any] = [slice(None)] * len(self.axes)
+            where: list[int | slice] = [slice(None)] * len(self.axes)
             for (k, _), i in zip(one_by_one, places, strict=True):
                 where[k] = i - chunk[k].start
             yield tuple(where), self._drawn(self.fixed | arrays | given)
 
-    def _drawn(self, arguments: dict[str, Any]) -> dict[str, Any]:
+    def _drawn(self, arguments: dict[str, Any]) -> dict[str, object]:
         """The arguments of one draw, as exact as `em.friction` takes draws."""
         if not self.draws:
             return arguments
         i = arguments.pop(_DRAW) - 1
-        exact = (
+        exact: dict[str, object] = (
             {"rtol": RTOL} if "rtol" in inspect.signature(self.call).parameters else {}
         )
         return exact | {
@@ -168,7 +168,7 @@ class Grid(NamedTuple):
             for name, value in arguments.items()
         }
 
-    def identity(self, version: str) -> dict[str, Any]:
+    def identity(self, version: str) -> Json:
         """What a store has to have been made of to be gone on with: version, call and
         all values.
         """
@@ -182,7 +182,7 @@ class Grid(NamedTuple):
         }
 
 
-def grid(call: Any, axes: Mapping[str, Any], fixed: dict[str, Any]) -> Grid:
+def grid(call: object, axes: object, fixed: dict[str, object]) -> Grid:
     """Checks the arguments of a sweep. Raises `InputError`."""
     if not callable(call) or not hasattr(call, "__name__"):
         raise InputError(
@@ -212,7 +212,7 @@ def grid(call: Any, axes: Mapping[str, Any], fixed: dict[str, Any]) -> Grid:
     return points
 
 
-def _checked_values(name: str, values: Any) -> list[Any]:
+def _checked_values(name: str, values: Sequence[object] | np.ndarray) -> list[Any]:
     """The values of an axis. Raises `InputError`."""
     traced = InputError(
         f"axes[{name!r}] must not be traced: a sweep writes numbers to a store."
@@ -269,7 +269,7 @@ def _check_signature(points: Grid) -> None:
         pass
 
 
-def _draws(axes: list[SweepAxis], fixed: dict[str, Any]) -> list[int]:
+def _draws(axes: list[SweepAxis], fixed: dict[str, object]) -> list[int]:
     """The numbers of the draws, where there are any. Raises `InputError`."""
     every = itertools.chain(
         fixed.items(), ((axis.name, value) for axis in axes for value in axis.values)
@@ -290,7 +290,9 @@ def _draws(axes: list[SweepAxis], fixed: dict[str, Any]) -> list[int]:
     return [i for count in counts for i in range(1, count + 1)]
 
 
-def positional(arguments: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
+def positional(
+    arguments: Mapping[str, object],
+) -> tuple[list[object], dict[str, object]]:
     """Material and body of a call, which have places, whatever the axes call a body;
     and the other arguments.
     """
@@ -302,7 +304,7 @@ def positional(arguments: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
     return places, rest
 
 
-def _label(value: Any) -> str:
+def _label(value: object) -> str:
     if value is None or isinstance(value, (bool, int, float)):
         return str(value)
     return str(
@@ -310,5 +312,5 @@ def _label(value: Any) -> str:
     )
 
 
-def _name(value: Any) -> str:
+def _name(value: object) -> str:
     return value if isinstance(value, str) else type(value).__name__

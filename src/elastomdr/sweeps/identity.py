@@ -21,7 +21,7 @@ import site
 import sys
 import sysconfig
 import threading
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePath
 from types import (
     BuiltinFunctionType,
@@ -267,11 +267,11 @@ class _Reader:
             return _digest(json.dumps(_code(value)).encode())
         return self._instance(value)
 
-    def _many(self, entries: Any) -> Json:
+    def _many(self, entries: Sequence[object] | dict[str, object]) -> Json:
         """The entries of a list or a dict; of many their digest."""
         told = (
             self._fields(entries)
-            if isinstance(entries, dict)
+            if not isinstance(entries, Sequence)
             else [self.read(each) for each in entries]
         )
         if len(told) <= _LONG:
@@ -339,7 +339,7 @@ class _Reader:
             "it can be compared if it names what it uses"
         }
 
-    def _once(self, value: Any) -> Json:
+    def _once(self, value: FunctionType | type | ModuleType) -> Json:
         """A function, a class or a module; its name where it was described before."""
         name = getattr(value, "__qualname__", value.__name__)
         if id(value) in self._before:
@@ -491,7 +491,7 @@ def _imports(code: CodeType) -> Iterator[tuple[str, int]]:
         before.append(step.argval)
 
 
-def _installed_name(value: Any) -> str:
+def _installed_name(value: object) -> str:
     """What stands under its name in an installed package, by that and the version; a
     text that is empty for all else.
     """

@@ -29,7 +29,7 @@ from .grid import Grid, grid, positional
 from .identity import modules_of_the_user
 from .lock import Alone
 from .storage import Files
-from .store import DONE, OPEN, RAISED, ZarrStore
+from .store import DONE, OPEN, RAISED, Parts, ZarrStore
 
 if TYPE_CHECKING:
     import xarray
@@ -151,7 +151,7 @@ def sweep(
     return kept.opened()
 
 
-def _checked_store(store: Any) -> Files:
+def _checked_store(store: object) -> Files:
     """The files of a store, once all packages are there. Raises `InputError`."""
     missing = [name for name in _NEEDED if find_spec(name) is None]
     if missing:
@@ -453,7 +453,7 @@ def _given(pickled: bytes) -> Grid:
 
 def compute(
     asked: Grid, chunk: tuple[slice, ...], version: str = __version__
-) -> tuple[dict[str, Any], str, list[str]]:
+) -> tuple[Parts, str, list[str]]:
     """The calls of a chunk: arrays and attributes by field, what was raised, the models
     that were used.
     """
@@ -464,7 +464,7 @@ def compute(
         )
     _keep_memory()
     shape = tuple(along.stop - along.start for along in chunk)
-    parts: dict[str, Any] = {}
+    parts: Parts = {}
     messages, models = [], []
     for where, arguments in asked.calls(chunk):
         try:
@@ -483,7 +483,7 @@ def compute(
 
 
 def _call(
-    asked: Grid, arguments: dict[str, Any], expected: tuple[int, ...]
+    asked: Grid, arguments: Mapping[str, object], expected: tuple[int, ...]
 ) -> tuple[str, dict[Any, np.ndarray]]:
     """Model and fields of one call, without those that are axes. Raises `InputError`
     for a field with another shape than expected.
@@ -512,7 +512,7 @@ def _empty(dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:
 _DOUBTS = Quantity(TITLE, "", path=TITLE, key=TITLE)
 
 
-def _attributes(q: Quantity) -> dict[str, Any]:
+def _attributes(q: Quantity) -> Mapping[str, object]:
     if q is _DOUBTS:
         return FLAGS
     about = {"long_name": q.label, "units": q.unit, "description": q.meaning}

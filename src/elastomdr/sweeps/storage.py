@@ -24,7 +24,7 @@ class Files:
     and an object is only there when it is complete.
     """
 
-    def __init__(self, store: Any):
+    def __init__(self, store: object):
         """Raises `InputError` where `store` is no folder and no URL of a file system
         that fsspec knows.
         """

@@ -6,15 +6,15 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from .. import __version__
 from ..errors import InputError, warn
 from .grid import Grid
-from .identity import difference, not_comparable
+from .identity import Json, difference, not_comparable
 from .storage import Files
 
 if TYPE_CHECKING:
@@ -35,6 +35,10 @@ _ABOUT_STATE = {
     "flag_meanings": "open done raised",
     "description": "whether a point has been computed, or its call raised",
 }
+
+
+# of a chunk: values and attributes by the name of the array
+Parts: TypeAlias = dict[str, tuple[np.ndarray, Mapping[str, object]]]
 
 
 class Record:
@@ -76,7 +80,7 @@ class Record:
             if kind == "chunk" and what.isdecimal():
                 self.unreadable[int(what)] = name
 
-    def _add(self, name: str, record: dict[str, Any]) -> None:
+    def _add(self, name: str, record: Mapping[str, object]) -> None:
         name, content = f"{_RECORDS}/{name}", json.dumps(record).encode()
         self._files.write(name, content)
         self._take(name, content)
@@ -167,7 +171,7 @@ class ZarrStore:
             ]
         )
 
-    def _open_group(self, identity: dict[str, Any]) -> Any:
+    def _open_group(self, identity: Json) -> Any:
         """The group, which says what it is made of. Raises `InputError` where that is
         something else, or not known.
         """
@@ -184,7 +188,7 @@ class ZarrStore:
             raise damaged(place, ".zgroup")
         try:
             made_of = _json(attributes or b"{}")[_MADE_OF]
-            told = json.loads(made_of)
+            told = json.loads(made_of)  # pyright: ignore[reportArgumentType]
         except KeyError:
             told = None
         except (ValueError, TypeError) as error:
@@ -255,7 +259,11 @@ class ZarrStore:
         )
 
     def _new_array(
-        self, name: str, dims: Any, like: np.ndarray, about: dict[str, Any]
+        self,
+        name: str,
+        dims: Iterable[str],
+        like: np.ndarray,
+        about: Mapping[str, object],
     ) -> Any:
         """A new array, NaN or zero where nothing is written; xarray takes the fill
         value of others for a mask.
@@ -278,7 +286,7 @@ class ZarrStore:
     def keep(
         self,
         number: int,
-        parts: dict[str, Any],
+        parts: Parts,
         message: str,
         models: list[str],
         state: int,
@@ -344,7 +352,7 @@ class ZarrStore:
         return xarray.open_zarr(self.files.zarr_store(), chunks=None, consolidated=True)
 
 
-def _json(content: bytes) -> dict[str, Any]:
+def _json(content: bytes) -> dict[str, Json]:
     """What a file of metadata says; nothing where that cannot be read."""
     try:
         entries = json.loads(content)
