@@ -11,7 +11,7 @@ such as the shift factors, a file does not record.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from jaxtyping import Bool
 
     from .._types import ArrayLike
-    from .prony import Prony
 
 
 _ROUNDING = 1e-6  # relative, by which a frequency may lie outside and count as inside
@@ -42,6 +41,26 @@ _DECADES = 0.5  # distance at which deviations have a correlation of exp(-1/2)
 _RIDGE = 1e-2
 
 T = TypeVar("T")
+
+
+class Series(Protocol):
+    """What draws ask of a Prony series, which derives from this file."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def range(self) -> Range | None: ...
+    @property
+    def equilibrium(self) -> Array: ...
+    @property
+    def moduli(self) -> Array: ...
+    @property
+    def times(self) -> Array: ...
+    def storage(self, omega: ArrayLike, /) -> Array: ...
+    def loss(self, omega: ArrayLike, /) -> Array: ...
+
+
+S = TypeVar("S", bound=Series)
 
 
 class Range(NamedTuple):
@@ -328,7 +347,7 @@ def check_draws(n: object, seed: object) -> None:
         whole_number(name, value, least)
 
 
-def drawn_from_misfit(material: Prony, n: int, seed: int) -> Draws[Prony]:
+def drawn_from_misfit(material: S, n: int, seed: int) -> Draws[S]:
     """Draws of a series from its recorded misfit. Raises `InputError` where it has
     none.
     """
@@ -364,7 +383,7 @@ def root_of(covariance: np.ndarray) -> np.ndarray:
     return vectors * np.sqrt(np.maximum(values, 0.0))
 
 
-def by_moduli(material: Prony, omega: np.ndarray) -> np.ndarray:
+def by_moduli(material: Series, omega: np.ndarray) -> np.ndarray:
     """Takes changes of ln storage and ln loss modulus at `omega` to changes of ln
     equilibrium and ln moduli.
     """
@@ -382,7 +401,7 @@ def by_moduli(material: Prony, omega: np.ndarray) -> np.ndarray:
     return np.linalg.solve(seen.T @ seen + _RIDGE * np.eye(seen.shape[1]), seen.T)
 
 
-def changed(material: Prony, change: np.ndarray, number: int) -> Prony:
+def changed(material: S, change: np.ndarray, number: int) -> S:
     """A draw: equilibrium and moduli times exp(change).
 
     It has no misfit, which would otherwise be counted twice: among the draws, and in
