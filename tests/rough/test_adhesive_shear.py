@@ -136,6 +136,30 @@ def test_shear_above_the_pressure_is_no_prediction():
     assert np.isnan(cells.model_error)
 
 
+def test_in_full_contact_no_bound_is_known_of_the_law():
+    """The area is that of the surface, exactly: its bound says nothing of the shear."""
+    weak, soft = em.AdhesiveShear(5e4, 3e-3, 0.12), em.StandardSolid(1e5, 1e5, 1e-3)
+    smooth = em.SelfAffine(0.8, rms_slope=0.1, q_low=1e3, q_high=3e4)
+    scene = {"velocity": [1e-3, 0.1], "pressure": 1e5, "temperature": None}
+    bare = em.friction(soft, smooth, **scene)
+    found = em.friction(soft, smooth, adhesion=weak, **scene)
+    assert (found.area_ratio > 0.99).all()
+    assert np.isfinite(bare.model_error).all()
+    assert np.isnan(found.model_error).all()
+    (doubt,) = (d for d in found.doubts if "shear law" in d.says)
+    assert doubt.kind == "no prediction"
+    assert np.asarray(doubt.points).all()
+    jitted = jax.jit(
+        lambda v: (
+            em.friction(
+                soft, smooth, adhesion=weak, **scene | {"velocity": v}
+            ).model_error
+        )
+    )
+    with jax.enable_x64(True):
+        assert np.isnan(jitted(np.array([1e-3, 0.1]))).all()
+
+
 def test_of_several_materials_each_has_its_parts():
     soft = em.StandardSolid(5e5, 9e6, 1e-3, shift=RUBBER.shift, name="soft")
     both = em.friction([RUBBER, soft], ROAD, adhesion=LAW, **SCENE)

@@ -47,6 +47,9 @@ if TYPE_CHECKING:
 
 _DECADE = float(np.log(10.0))
 MOST_SHEAR = 1.0  # tau A/F_N above which the sum is no prediction (docs/rough.md)
+# relative bound of a real contact below which not its area decides how far the sum may be
+# off, but what a shear law leaves out: contacts that shear changes, bonds that grow
+_KNOWN = 0.02
 _SKEWED = 0.2  # of 1 - b/a: against 56 contacts in three dimensions (docs/accuracy.md)
 # relative error of an area of 64 by 64 cells about the contact, its border corrected
 _STAIRCASE = 0.01
@@ -186,6 +189,10 @@ def sheared(
         temperature = temperature + xp.where(xp.isnan(rise), 0.0, rise)
     added = adhesion.shear_stress(curve.velocity, temperature) * share
     mu = curve.mu + added
+    complete = None
+    if curve.area_ratio is not None and bound is not None:
+        complete = xp.asarray(bound < _KNOWN)
+        bound = xp.where(complete, xp.nan, bound)
     return dataclasses.replace(
         curve,
         mu=mu,
@@ -196,7 +203,7 @@ def sheared(
         model_error=_bounded(curve.model_error, added, bound),
         model=curve.model + _ADDED.format(area=area),
         inputs=(*curve.inputs, ("adhesion", adhesion.words())),
-        marks=(*curve.marks, *_no_prediction(curve, added)),
+        marks=(*curve.marks, *_no_prediction(curve, added), *_of_law(complete)),
         **more,
     )
 
@@ -235,6 +242,19 @@ def _no_prediction(curve: FrictionCurve, added: Array) -> tuple[Doubt, ...]:
         "leaves out"
     )
     return (Doubt("no prediction", over, says, "measured friction"),)
+
+
+def _of_law(complete: Array | None) -> tuple[Doubt, ...]:
+    """Where the area of a real contact is known so well that its bound says nothing of
+    the sum.
+    """
+    if complete is None:
+        return ()
+    says = (
+        "have no bound on the model: their real contact is all but complete, and what "
+        "the shear law leaves out decides"
+    )
+    return (Doubt("no prediction", complete, says, "measured friction"),)
 
 
 def on_contact(
