@@ -45,6 +45,7 @@ from ..numerics.interpolation import halving_limit, lagrange
 from ..progress_bar import counted
 from ..results.axes import place_in_words
 from ..results.base import Result, quantity, record
+from ..results.curve import RollingCurve
 from ..results.doubts import carried
 from ..results.words import brief, in_words
 from ..verbs.rolling import rolling
@@ -530,12 +531,15 @@ def _interpolated(power: Array, place: np.ndarray, stencil: int) -> Any:
     return np.exp(between) if positive_everywhere else between
 
 
-def _history(
-    body: _Body, steady: Array, heat: Array, time: Array
-) -> tuple[Any, Any, Any, Any]:
-    """Temperature and power at the instants, the error of the temperature, by every
-    second node, and the rolling there.
-    """
+class _Way(NamedTuple):
+    temperature: Array  # at the instants [K]
+    power: Array
+    error: Array  # of the temperature, by every second node
+    rolling: RollingCurve
+
+
+def _history(body: _Body, steady: Array, heat: Array, time: Array) -> _Way:
+    """The way to the steady state, by the net power at nodes of temperature."""
     ambient = body.ambient
     top = xp.where(xp.isfinite(steady), steady, ambient + 1.0)
     finer = _FINER if on_numpy() else 1
@@ -556,7 +560,8 @@ def _history(
     # The temperature follows the power: its rise by no larger a part.
     rise = fine - xp.asarray(ambient)[..., None]
     error = stop_gradient(abs(fine - coarse) + xp.asarray(off)[..., None] * rise)
-    return *(nan_unless(known, x) for x in (fine, power, error)), way
+    shown = (nan_unless(known, x) for x in (fine, power, error))
+    return _Way(*shown, rolling=way)
 
 
 def _follow(temperature: Array, net: Array, heat: Array, time: Array) -> Any:

@@ -203,12 +203,17 @@ def _until_pulled(
     return xp.where(sought, stay, xp.where(lost, 0.0, rest)), lost
 
 
+class _Followed(NamedTuple):
+    u: Array
+    f: Array
+    work: Array  # done on the element
+    heat: Array  # what of it became heat
+
+
 def _in_contact(
     law: Relaxation, u: Array, f: Array, v: Array, stay: Array
-) -> tuple[Array, Array, Array, Array]:
-    """u and f of an element that has followed the surface for a time, the work done on
-    it, and what of it became heat.
-    """
+) -> _Followed:
+    """An element that has followed the surface for a time."""
     y = stay / law.times[:, None]
     first, second = phi1(y), phi2(y)
     moved = law.moduli[:, None] * v * stay
@@ -217,7 +222,8 @@ def _in_contact(
     spent = 0.5 * law.equilibrium * (u_end**2 - u**2) + law.viscosity * v**2 * stay
     spent = spent + v * stay * xp.sum(first * f + moved * second, axis=0)
     losses = _branch_loss(law, f, v * stay, y, first, second)
-    return u_end, f_end, spent, law.viscosity * v**2 * stay + xp.sum(losses, axis=0)
+    heat = law.viscosity * v**2 * stay + xp.sum(losses, axis=0)
+    return _Followed(u_end, f_end, spent, heat)
 
 
 def _branch_loss(

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -32,19 +32,23 @@ if TYPE_CHECKING:
     from jaxtyping import Float, PyTree
 
 
-def panel_sums(
-    c: Array, kappa: Array | None, z: Array
-) -> tuple[Any, Any, Any, Any, Any]:
-    """mu_0, mu_0 + mu_1, and the sums over j > 0 of c_j mu_j, of (-1)^j c_j mu_j, and
-    of kappa_j mu_j, if given.
-    """
+class PanelSums(NamedTuple):
+    zeroth: Any  # mu_0, an array like the others
+    both: Any  # mu_0 + mu_1
+    forth: Any  # over j > 0, of c_j mu_j
+    back: Any  # of (-1)^j c_j mu_j
+    rest: Any  # of kappa_j mu_j, if given
+
+
+def panel_sums(c: Array, kappa: Array | None, z: Array) -> PanelSums:
+    """Sums over the moments of a panel."""
     count = c.shape[0]
     terms = count if kappa is None else kappa.shape[0]
     mu = moments(terms, z) if on_numpy() else moments_on_host(terms)(z)
     odd = _dot(c[1::2], mu[1:count:2])
     even = _dot(c[2::2], mu[2:count:2])
     squares = None if kappa is None else _dot(kappa[1:], mu[1:])
-    return mu[0], mu[0] + mu[1], even + odd, even - odd, squares
+    return PanelSums(mu[0], mu[0] + mu[1], even + odd, even - odd, squares)
 
 
 @functools.cache

@@ -7,7 +7,7 @@ Newton's method on the edges needs no panels. On NumPy.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -96,7 +96,14 @@ def under_parabola(
     )
 
 
-def _exponential_means(z: Array) -> tuple[Array, Array, Array, Array]:
+class _Means(NamedTuple):
+    kept: Array  # e^{-z}
+    zeroth: Array
+    first: Array
+    second: Array
+
+
+def _exponential_means(z: Array) -> _Means:
     """e^{-z} and int e^{-z c} c^j dc from 0 to 1 for j = 0, 1, 2.
 
     The last by a series where z is small, and from it the others, whose sums cancel
@@ -111,4 +118,4 @@ def _exponential_means(z: Array) -> tuple[Array, Array, Array, Array]:
         z < _NEARLY_SPRING, series, (2 * (-np.expm1(-z) / z - left) / z - left) / z
     )
     second = 0.5 * (left + z * third)
-    return left, left + z * second, second, third
+    return _Means(left, left + z * second, second, third)

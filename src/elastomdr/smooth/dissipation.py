@@ -14,7 +14,6 @@ from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import Array, nan_unless, numpy_unless_traced, possible, warn_unless
 from ..errors import InputError
-from ..material.relaxation import Relaxation
 from ..results.doubts import carried
 from ..results.spectrum import Dissipation
 from ..surface.direction import directions
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
     from .._types import ArrayLike
     from ..call.types import Indenter, Materials, ModelLike
 
-_BATCH = 4096  # passages at once under a transformation of JAX
 _SAMPLED = 0.1  # of the tolerance, which sampling may take
 _LAYER_SHARE = 1e-3  # of the work that the branches may miss on a layer
 
@@ -109,9 +107,8 @@ def _check_branches(plan: Plan) -> None:
 def _shares(scene: SmoothScene) -> Dissipation:
     """The solved scene, its friction shared out among the branches."""
     solved = solve(scene)
-    dashpot, branches, work, good = _forces(
-        scene, xp.ravel(solved.normal_force) / scene.vertical
-    )
+    load = xp.ravel(solved.normal_force) / scene.vertical
+    dashpot, branches, work, _, good = _forces(scene, load)
     with_dashpot = possible(lambda x: x > 0, scene.law.viscosity)
     forces = xp.concatenate([dashpot[None], branches]) if with_dashpot else branches
     total = xp.sum(forces, axis=0)
@@ -189,10 +186,8 @@ def _on_layer(call: SmoothCall) -> Dissipation:
     )
 
 
-def _forces(scene: SmoothScene, load: Array) -> tuple[Array, Array, Array, Any]:
-    """Force of the dashpot, of each branch, and of friction by its own integral [N],
-    averaged as the plan says.
-    """
+def _forces(scene: SmoothScene, load: Array) -> Losses:
+    """The losses averaged as the plan says; their `error` is not."""
     plan = scene.plan
     velocity, control, value = scene.reduced, scene.control, scene.value
     cosines: Any = np.ones(1)
@@ -204,7 +199,8 @@ def _forces(scene: SmoothScene, load: Array) -> tuple[Array, Array, Array, Any]:
     slowed = (velocity[:, None] * cosines).ravel()
     value = xp.broadcast_to(value[:, None], (velocity.size, cosines.size)).ravel()
     if plan.traced:
-        every = _padded(scene, control, value, slowed)
+        rule = plan.rules[0]
+        every = solve_losses(scene.law, scene.lines, rule, control, value, slowed)
     else:
         every = _refined(scene, control, value, slowed)
     dashpot, branches, work = (
@@ -212,12 +208,8 @@ def _forces(scene: SmoothScene, load: Array) -> tuple[Array, Array, Array, Any]:
         @ weights
         for field in (every.dashpot, every.branches, every.friction_force)
     )
-    return (
-        dashpot,
-        branches,
-        work,
-        every.converged.reshape(velocity.size, -1).all(axis=1),
-    )
+    good: Any = every.converged.reshape(velocity.size, -1).all(axis=1)
+    return Losses(dashpot, branches, work, xp.nan * work, good)
 
 
 def _refined(
@@ -251,23 +243,3 @@ def _refined(
 def _joined(parts: list[Losses]) -> Losses:
     fields = zip(*parts, strict=True)
     return Losses(*(xp.concatenate(field, axis=-1) for field in fields))
-
-
-def _padded(
-    scene: SmoothScene, control: Control, value: Array, velocity: Array
-) -> Losses:
-    """Under a transformation of JAX: the number of points rounded up to a power of 2,
-    so that few sizes are compiled.
-    """
-    parts, law = [], scene.law
-    fields = law.equilibrium, law.moduli, law.times, law.viscosity
-    law = Relaxation(*map(xp.asarray, fields))
-    rule = scene.plan.rules[0]
-    for start in range(0, velocity.size, _BATCH):
-        here = slice(start, start + _BATCH)
-        count = velocity[here].size
-        fill = (0, max(64, 2 ** (count - 1).bit_length()) - count)
-        padded = (xp.pad(each[here], fill, "edge") for each in (value, velocity))
-        solved = solve_losses(law, scene.lines, rule, control, *padded)
-        parts.append(Losses(*(xp.asarray(field)[..., :count] for field in solved)))
-    return _joined(parts)

@@ -320,52 +320,20 @@ def _rule(n: int) -> _Rule:
 
 def _remembered(t: np.ndarray, l: np.ndarray, top: int) -> np.ndarray:
     """Y_k = int T_k(t + s) exp(-s/l) ds/l up to t + s = 1: memories, places,
-    k = 0 ... `top`.
-
-    By parts Y[f] = f(t) - f(1) E + l Y[f'], E = exp(-(1 - t)/l); as 2 T_k =
-    T_{k+1}'/(k + 1) - T_{k-1}'/(k - 1), d_k = Y[T_k']/k obeys
-    d_{k+1} = d_{k-1} + 2 (T_k - E + l k d_k): forwards where l is short, else as a
-    tridiagonal system with both ends known.
+    k = 0 ... `top`; by Gauss' rule as far as a memory reaches, and 2 x T_k = T_{k+1} +
+    T_{k-1}.
     """
-    last = top + 1
-    polynomial = np.cos(np.arange(last + 1)[:, None] * np.arccos(np.clip(t, -1, 1)))
-    ended = np.exp(-(1 - t) / l)
-    d = np.zeros((last + 1, l.size, t.size))
-    d[1] = -np.expm1(-(1 - t) / l)
-    short = int(np.searchsorted(l[:, 0], 8 / last**2))
-    low, high = slice(0, short), slice(short, None)
-    for k in range(1, last):
-        half_increment = polynomial[k] - ended[low] + k * l[low] * d[k, low]
-        d[k + 1, low] = d[k - 1, low] + 2 * half_increment
-    d[last, high] = _remembered_slope(t, l[high], last)
-    # -d_{k-1} - 2 l k d_k + d_{k+1} = 2 (T_k - E), k = 2 ... last - 1, eliminated
-    # upwards, solved downwards
-    pivot, right = np.zeros((last, *l[high].shape)), np.zeros_like(d[:last, high])
-    for k in range(2, last):
-        pivot[k] = -2 * k * l[high]
-        right[k] = 2 * (polynomial[k] - ended[high])
-        if k == 2:
-            right[k] += d[1, high]
-        else:
-            pivot[k] += 1 / pivot[k - 1]
-            right[k] += right[k - 1] / pivot[k - 1]
-    for k in range(last - 1, 1, -1):
-        d[k, high] = (right[k] - d[k + 1, high]) / pivot[k]
-    kept = np.concatenate([d[1:2], 0.5 * (d[2:] - d[:-2])])
-    return np.moveaxis(kept, 0, -1)
-
-
-def _remembered_slope(t: np.ndarray, l: np.ndarray, k: int) -> np.ndarray:
-    """Y[T_k']/k by quadrature, for memories that are not short."""
-    nodes, weights = gauss(24 + k)
+    nodes, weights = gauss(36 + top)
     reach = np.minimum((1 - t) / l, 42.0)[..., None]  # in units of the memory
     s = 0.5 * reach * (nodes + 1)
-    angle = np.arccos(np.clip(t[:, None] + l[..., None] * s, -1, 1))
-    sine = np.sin(angle)
-    slope = np.where(
-        sine > 1e-12, np.sin(k * angle) / np.where(sine > 1e-12, sine, 1.0), k
-    )
-    return (slope * np.exp(-s)) @ weights * 0.5 * reach[..., 0]
+    twice = 2 * np.clip(t[:, None] + l[..., None] * s, -1.0, 1.0)
+    before = 0.5 * reach * weights * np.exp(-s)
+    now = 0.5 * twice * before
+    kept = [before.sum(axis=-1), now.sum(axis=-1)]
+    for _ in range(1, top):
+        before, now = now, twice * now - before
+        kept.append(now.sum(axis=-1))
+    return np.stack(kept, axis=-1)
 
 
 @functools.cache

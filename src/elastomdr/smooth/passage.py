@@ -54,8 +54,7 @@ _STEPS = 15
 _TABLES = 3  # how often panels are laid out anew,
 _MOVED = 0.05  # where the contact has grown or shrunk by as much
 _CLOSE = 1e-7  # the length of its last step, squared by it
-# how often a guess at log A is improved, and by how much at the last
-_GUESSES, _GUESSED = 8, 0.1
+_GUESSED = 0.1  # by how much a guess at log A is improved at the last
 _TIGHT = 1e-9  # step at which the searches stop
 
 
@@ -233,9 +232,16 @@ def largest_size(lines: AbstractLines, value: Array) -> Array:
     return np.log(np.minimum(largest * (1 - 1e-13), 1e60))
 
 
+class _Edges(NamedTuple):
+    passage: Passage  # with its table
+    size: Array
+    ratio: Array  # of trailing over leading edges
+    converged: Array
+
+
 def _edges(
     p: Passage, control: Control, value: Array, start: Passages | None = None
-) -> tuple[Passage, Array, Array, Array]:
+) -> _Edges:
     """The passage with its table, contact sizes and trailing edges to rounding, and
     which points have them; on NumPy.
 
@@ -261,7 +267,7 @@ def _edges(
                 p, log_size if by_depth else value, top, by_depth
             )
             if p.rule.parabola and converged.all():
-                return p, np.exp(log_size), ratio, converged
+                return _Edges(p, np.exp(log_size), ratio, converged)
         if single and not p.rule.exact:
             coarse = tabulated(p._replace(rule=p.rule.coarser()), np.exp(log_size))
             log_size, ratio, converged = _sought(
@@ -276,7 +282,7 @@ def _edges(
         )
         if p.table is None or np.all(np.abs(log_size - before) < _MOVED):
             break
-    return p, np.exp(log_size), ratio, converged
+    return _Edges(p, np.exp(log_size), ratio, converged)
 
 
 def _sought(
@@ -441,9 +447,6 @@ def _size_of_depth(lines: AbstractLines, depth: Array, top: Array) -> Array:
 def _first_guess(p: Passage, load: Array, top: Array) -> Array:
     """log A of an elastic contact whose modulus is about the mean of E(t) over one
     passage.
-
-    Of most bodies log F_N against log A is so straight that two or three steps of the
-    secant method are enough; where they are not, a search in brackets takes over.
     """
     c, w, _ = gauss_unit(6)
     line = np.arange(p.lines.count)[:, None, None]
@@ -465,15 +468,6 @@ def _first_guess(p: Passage, load: Array, top: Array) -> Array:
     # Of a profile that is a power, log force against log size rises by between n and
     # n + 1.
     usual = p.lines.exponent(np.exp(guess)) + 0.5
-    log_size, value, slope = guess, residual(guess), usual
-    for _ in range(_GUESSES):
-        before, value_before = log_size, value
-        log_size = np.minimum(log_size - np.clip(value / slope, -3.0, 3.0), top)
-        change = log_size - before
-        if np.abs(change).max() < _GUESSED:
-            return log_size
-        value = residual(log_size)
-        slope = np.fmax((value - value_before) / change, 0.5 * usual)
     return search(residual, guess, _GUESSED, usual, top)[0]
 
 
