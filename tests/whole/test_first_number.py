@@ -2,7 +2,6 @@
 all the same.
 """
 
-import functools
 import pickle
 import re
 import subprocess
@@ -18,8 +17,7 @@ import pytest
 import elastomdr as em
 from elastomdr import checks
 from elastomdr import trees as _trees
-from elastomdr.arrays import on_jax, on_numpy, xp
-from elastomdr.transient import indentation_route
+from elastomdr.arrays import on_numpy, xp
 
 ROOT = Path(__file__).parents[2]
 DMA = ROOT / "examples/data/dma.csv"
@@ -124,9 +122,6 @@ def test_annotations_load_nothing():
 
 
 HISTORIES = {
-    "indent by depth": lambda **at: em.indent(
-        RUBBER, em.Sphere(0.01), time=[0, 1, 2], depth=[0, 1e-4, 5e-5], **at
-    ),
     "indent by a growing load": lambda **at: em.indent(
         RUBBER, em.Cone(0.1), time=[0, 1, 2], load=[1, 1, 2], **at
     ),
@@ -190,9 +185,6 @@ def large(monkeypatch):
     ):
         monkeypatch.setattr(f"elastomdr.transient.{limit}", 0)
     monkeypatch.setattr("elastomdr.transient.shear._MUCH", 0)
-    # a given depth is compiled under a transformation only
-    by_depth = functools.partial(on_jax, indentation_route._by_depth)
-    monkeypatch.setattr(indentation_route, "_by_depth", by_depth)
 
 
 @pytest.mark.parametrize("name", HISTORIES)

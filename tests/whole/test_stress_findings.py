@@ -9,6 +9,7 @@ import pytest
 from scipy.special import dawsn
 
 import elastomdr as em
+from elastomdr.arrays import numpy_unless_traced
 from elastomdr.element import episode
 from elastomdr.element.episode import recovery_modes, to_branches, to_modes
 from elastomdr.surface.disc import Disc
@@ -101,10 +102,9 @@ def test_branch_far_faster_than_the_ramp(levels: int, missed: float) -> None:
     time = ramp[:, None] * np.array([0.0, 1.0, 2.0, 3.0])
     depth = np.broadcast_to(d * np.array([0.0, -0.6, 1.0, 0.2]), time.shape)
     law = em.Foundation(0.0, [e], [1.0]).law()
-    with jax.enable_x64(True):
-        disc = Disc(em.Paraboloid(1 / c), "half-space")
-        given = law, recovery_modes(law), disc, time, depth
-        found = indent_all(*given, over_histories(edges, *given), levels, size=4)
+    given = (law, recovery_modes(law), Disc(em.Paraboloid(1 / c), "half-space"))
+    places = numpy_unless_traced(over_histories)(edges, *given, time, depth)
+    found = numpy_unless_traced(indent_all)(*given, time, depth, places, levels)
     reached = 1.6 * d / ramp  # v tau
     exact = (
         2

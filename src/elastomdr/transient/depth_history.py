@@ -16,14 +16,12 @@ that advances: an element touched a time t ago carries E_k v tau_k (1 - exp(-t/t
 so that where v tau_k/g' is far below a panel no node sees the exponential, of which the
 sum then is too large by its integral.
 
-Many histories are computed at once, in batches of few sizes, so that few programs are
-compiled.
+Many histories are computed at once, in batches.
 """
 
 from __future__ import annotations
 
 import functools
-import itertools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -43,7 +41,6 @@ _COARSE = 49  # elements that bracket the edges, at least
 _SEARCH = 8  # steps of that search
 # change of a force, relative, below which it does not show where the edge is
 _FLAT = 1e-9
-_SIZES = (32, 64, 104, 208, 320, 512)  # numbers of instants that are compiled
 NODES = 6  # per panel
 _RATIO = 0.2  # of neighbouring panels within one that narrows
 _NARROWING = {1: 1, 2: 2, 3: 3}  # levels: how often their panels narrow
@@ -147,34 +144,6 @@ def indent_between_smooth(
     )
     radius = radius - (moved - stop_gradient(moved))
     return indent_between(law, modes, disc, time, depth, radius, parts)
-
-
-def padded(*histories: Any, like: int = 0) -> tuple[Any, ...]:
-    """Histories with their last interval divided where JAX computes, so that few sizes
-    are compiled; instants along the last axis.
-
-    The size is that of a history of `like` instants, if that is more.
-    """
-    if on_numpy():
-        return histories
-    count = histories[0].shape[-1]
-    size = _size(max(count, like))
-    fractions = np.arange(1, size - count + 1) / (size - count + 1)
-
-    def pad(a: Any) -> Any:
-        numpy = xp if is_traced(a) else np
-        inner = a[..., -2:-1] + (a[..., -1:] - a[..., -2:-1]) * fractions
-        return numpy.concatenate([a[..., :-1], inner, a[..., -1:]], axis=-1)
-
-    return tuple(pad(a) for a in histories)
-
-
-def _size(count: int) -> int:
-    return next(
-        n
-        for n in itertools.chain(_SIZES, itertools.count(2 * _SIZES[-1], _SIZES[-1]))
-        if n >= count
-    )
 
 
 def _run(
@@ -481,39 +450,19 @@ def _mapped(
 
 
 def indent_all(
-    law: Any,
-    modes: Any,
-    disc: Any,
+    law: Relaxation,
+    modes: Modes,
+    disc: Disc,
     time: np.ndarray,
     depth: np.ndarray,
     radius: np.ndarray,
     levels: int,
-    size: int,
 ) -> DepthHistory:
     """Depths that are linear between the instants, (histories, m), with panels of a
-    level between the edges.
-
-    One compiled program serves all levels: it takes `size` rows of `cuts` of any
-    histories.
+    level between the edges; on NumPy.
     """
-    rows = cuts(levels)
-    if on_numpy():
-        parts = np.tile(np.append(rows[:, :-1], 1.0), (len(time), 1))
-        history_sums, _ = over_histories(
-            indent_between, law, modes, disc, time, depth, radius, parts
-        )
-        return history_sums._replace(radius=np.array(radius))
-    which, row = np.divmod(np.arange(len(time) * len(rows)), len(rows))
-    sums = []
-    for i in range(0, which.size, size):
-        taken = np.minimum(np.arange(i, i + size), which.size - 1)
-        history = (a[which[taken]] for a in (time, depth, radius))
-        history_sums, _ = over_histories(
-            indent_between, law, modes, disc, *history, rows[row[taken]]
-        )
-        sums.append(history_sums)
-    joined = tree_map(
-        lambda *a: np.concatenate(a)[: which.size].reshape(len(time), len(rows), -1),
-        *sums,
+    parts = np.tile(np.append(cuts(levels)[:, :-1], 1.0), (len(time), 1))
+    history_sums, _ = over_histories(
+        indent_between, law, modes, disc, time, depth, radius, parts
     )
-    return tree_map(lambda a: a.sum(axis=1), joined)._replace(radius=np.array(radius))
+    return history_sums._replace(radius=np.array(radius))

@@ -14,7 +14,6 @@ from ..checks import (
     as_float64,
     broadcast,
     finite,
-    in_float64,
     is_traced,
     nan_unless,
     not_negative,
@@ -115,7 +114,7 @@ class Indentation(AbstractHistory):
     error_of: ClassVar[str] = "force or depth, relative"
     relative_bound: ClassVar[bool] = True
 
-    @in_float64
+    @numpy_unless_traced
     def pressure(self, r: ArrayLike, time: Number) -> np.ndarray:
         """Contact pressure p(r) [Pa] at radii [m] and one time [s]: of the shape of r,
         after the histories' axes.
@@ -125,7 +124,7 @@ class Indentation(AbstractHistory):
         """
         return self._surface(r, time, "pressure")
 
-    @in_float64
+    @numpy_unless_traced
     def displacement(self, r: ArrayLike, time: Number) -> np.ndarray:
         """Displacement u(r) [m] of the surface, positive into the material, at radii
         [m] and one time [s].

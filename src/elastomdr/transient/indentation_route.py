@@ -9,21 +9,20 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import on_jax, on_numpy, stop_gradient, tree_map, xp
-from ..checks import Array, is_traced, nan_unless
+from ..checks import Array, is_traced, known, nan_unless, numpy_unless_traced
 from ..element.episode import Modes
 from ..material.relaxation import Relaxation
 from ..surface.disc import Disc
 from .creep import Creep, creep, levels_for
 from .depth_history import (
     LAYERS,
-    batch,
+    DepthHistory,
     cuts,
     edges,
     edges_of_growth,
     indent_all,
     indent_between_smooth,
     over_histories,
-    padded,
 )
 from .load_steps import Ruled, march_load
 from .problem import places
@@ -161,53 +160,66 @@ def _by_depth(
     law: Relaxation, modes: Modes, disc: Disc, course: DepthOrLoad, rtol: float
 ) -> Indented:
     shape = course.time.shape
-    time, depth = (
-        a.reshape(-1, a.shape[-1]) for a in padded(course.time, course.depth)
-    )
+    time, depth = (a.reshape(-1, shape[-1]) for a in (course.time, course.depth))
     given = (law, modes, disc, time, depth)
-    numpy = xp if is_traced(given) else np
+    traced = is_traced(given)
     # values, unless under jit or vmap
-    frozen = stop_gradient(given) if is_traced(given) else given
-    growing = not is_traced(given) and bool((np.diff(frozen[-1], axis=-1) >= 0).all())
-    radius = over_histories(edges_of_growth if growing else edges, *frozen)
+    frozen = stop_gradient(given) if traced else given
     sums, levels = None, _LEVELS[1]
-    if not is_traced(frozen):
-        levels, size = _LEVELS[0], batch(len(time))
-        sums = indent_all(*frozen, radius, levels, size)
-        for finer in _LEVELS[1:]:
-            asked = 0.5 * rtol * abs(sums.force).max(axis=-1)
-            which = np.flatnonzero((sums.error > asked[:, None]).any(axis=-1))
-            if not which.size:
-                break
-            levels = finer
-            again = indent_all(
-                *frozen[:3],
-                frozen[3][which],
-                frozen[4][which],
-                radius[which],
-                levels,
-                size,
-            )
-            for field, better in zip(sums, again, strict=True):
-                field[which] = better
-    if sums is None or is_traced(given):  # with derivatives
+    if is_traced(frozen):
+        radius = over_histories(edges, *frozen)
+    else:
+        law, modes, disc, time, depth = known(frozen)
+        sums, levels = _searched(law, modes, disc, time, depth, rtol)
+        radius = sums.radius
+    if sums is None or traced:  # with derivatives
         parts = np.tile(np.append(cuts(levels)[:, :-1], 1.0), (len(time), 1))
         sums, _ = over_histories(indent_between_smooth, *given, radius, parts)
     largest = abs(sums.force).max(axis=-1, keepdims=True)
     error = sums.error / (largest + (largest == 0)) + _ROUNDING
-    good = numpy.isfinite(sums.force) & (error <= rtol)
-    fields = (
-        sums.force,
-        sums.radius,
-        sums.work,
-        sums.stored,
-        sums.locked,
-        sums.heat,
-        error,
-        good,
+    good = xp.isfinite(sums.force) & (error <= rtol)
+    found, good = sums._replace(error=error), good.reshape(shape)
+    found = DepthHistory(*(a.reshape(shape) for a in found))
+    return Indented(
+        depth=course.depth,
+        force=found.force,
+        radius=found.radius,
+        work=found.work,
+        stored=found.stored,
+        locked=found.locked,
+        heat=found.heat,
+        error=found.error,
+        converged=good,
+        plan=BY_DEPTH,
+        reason="",
     )
-    fields = (_unpadded(a, shape) for a in fields)
-    return Indented(course.depth, *fields, BY_DEPTH, "")
+
+
+@numpy_unless_traced
+def _searched(
+    law: Relaxation,
+    modes: Modes,
+    disc: Disc,
+    time: np.ndarray,
+    depth: np.ndarray,
+    rtol: float,
+) -> tuple[DepthHistory, int]:
+    """Histories on as many panels as `rtol` asks for, and the level of these."""
+    growing = bool((np.diff(depth, axis=-1) >= 0).all())
+    find = edges_of_growth if growing else edges
+    radius = over_histories(find, law, modes, disc, time, depth)
+    levels = _LEVELS[0]
+    sums = indent_all(law, modes, disc, time, depth, radius, levels)
+    for finer in _LEVELS[1:]:
+        asked = 0.5 * rtol * abs(sums.force).max(axis=-1)
+        which = np.flatnonzero((sums.error > asked[:, None]).any(axis=-1))
+        if not which.size:
+            break
+        levels, rows = finer, (time[which], depth[which], radius[which])
+        again = indent_all(law, modes, disc, *rows, levels)
+        for field, better in zip(sums, again, strict=True):
+            field[which] = better
+    return sums, levels
 
 
 def _by_load(
@@ -276,9 +288,8 @@ def _grown(
     numpy = xp if is_traced(law, modes, disc, time, load) else np
     levels = _TRACED_LEVELS if is_traced(law, time) else levels_for(law, modes, time)
     creep_history: Creep = over_histories(
-        creep, law, modes, disc, *padded(time, load), levels=levels
+        creep, law, modes, disc, time, load, levels=levels
     )
-    creep_history = tree_map(lambda a: _unpadded(a, time.shape), creep_history)
     nothing = numpy.zeros(time.shape)
     error = numpy.where(numpy.isfinite(creep_history.depth), _ROUNDING, numpy.nan)
     return (
@@ -337,11 +348,3 @@ def refined(
         by_depth = np.append(course.by_depth[0], np.repeat(course.by_depth[1:], kept))
     again = DepthOrLoad(time, depth, load, by_depth)
     return time, np.asarray(_by_load(law, modes, disc, again, rtol).depth)
-
-
-def _unpadded(a: Array, shape: tuple[int, ...]) -> Array:
-    """Back to the instants asked for: the last one, and those before the interval that
-    was divided.
-    """
-    kept = [*range(shape[-1] - 1), a.shape[-1] - 1]
-    return a[..., np.array(kept)].reshape(shape)

@@ -13,19 +13,24 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..checks import Array, numpy_unless_traced
+from ..checks import Array
 from ..element.episode import Modes, recovery_modes
 from ..errors import InputError
 from ..material.relaxation import Relaxation
-from ..numerics.decay import phi1
 from ..numerics.quadrature import gauss, shares_to_legendre
 from ..surface.disc import Disc
-from .depth_history import NODES, cuts, indent_between, over_histories, padded
+from .depth_history import (
+    NODES,
+    cuts,
+    edges_of_growth,
+    indent_between,
+    over_histories,
+)
 from .depth_history import edges as edges_of
 from .indentation_route import DepthOrLoad, refined
 from .layer_disc import LayerDisc, line_of
 
-_CUTS = cuts(1)  # of the panels
+_CUTS = np.append(cuts(2)[:, :-1], 1.0)[None]  # of the panels
 _POINTS, _WEIGHTS = gauss(12)
 _OWN, _OWN_WEIGHTS = gauss(4)
 _RTOL = 1e-6  # of a depth that is solved again in between
@@ -158,17 +163,14 @@ def surface_at(
     before = time < instant
     t = np.append(time[before], instant)
     d = np.append(depth[before], np.interp(instant, time, depth))
-    if (np.diff(d) >= 0).all():
-        edges, q, u = _grown(law, disc, t, d)
-        radius = edges[-1]
-    else:
-        t, d = padded(t, d, like=time.size)  # one compiled size for every instant
-        reached = over_histories(edges_of, law, modes, disc, t[None], d[None])
-        _, row = over_histories(
-            indent_between, law, modes, disc, t[None], d[None], reached, _CUTS
-        )
-        edges, q, u = row.edges[0], row.q[0], row.u[0]
-        radius = float(reached[0, -1])
+    grows = bool((np.diff(d) >= 0).all())
+    find = edges_of_growth if grows else edges_of
+    reached = over_histories(find, law, modes, disc, t[None], d[None])
+    _, row = over_histories(
+        indent_between, law, modes, disc, t[None], d[None], reached, _CUTS
+    )
+    edges, q, u = row.edges[0], row.q[0], row.u[0]
+    radius = float(reached[0, -1])
     wide = np.diff(edges) > 1e-13 * max(edges[-1], 1e-300)
     _, weights = gauss(q.shape[1])
     to_series = shares_to_legendre(q.shape[1]) * (0.5 * weights)
@@ -185,45 +187,6 @@ def surface_at(
         jump,
         disc.kind != "half-space",
     )
-
-
-@numpy_unless_traced  # plain numbers: on JAX each step would be compiled
-def _grown(
-    law: Relaxation, disc: Disc, time: np.ndarray, depth: np.ndarray
-) -> tuple[np.ndarray, ...]:
-    """Panels, q and u under a depth that has never fallen: elements touched at t0, when
-    g = d(t0), and held since.
-
-    With C_k(t) = int exp(-(t - s)/tau_k) dd(s), branch k of an element carries E_k
-    [C_k(t) - exp(-(t - t0)/tau_k) C_k(t0)], and g in place of C_k(0) where it was
-    touched at once.
-    """
-    between = np.sort(np.append(disc.radius_of_depth(depth), 0.0))
-    edges = np.append(
-        between[:-1, None] + np.diff(between)[:, None] * _CUTS[0, :-1], between[-1]
-    )
-    nodes, _ = gauss(NODES)
-    x = edges[:-1, None] + 0.5 * np.diff(edges)[:, None] * (1 + nodes)
-    g = np.asarray(disc.profile(x))
-    h, rate = np.diff(time), np.diff(depth) / np.diff(time)
-    y = h[:, None] / law.times
-    gained = np.asarray(rate[:, None] * h[:, None] * phi1(y))
-    held = [np.full(np.shape(law.times), depth[0])]
-    for faded, more in zip(np.exp(-y), gained, strict=True):
-        held.append(held[-1] * faded + more)
-    # the interval in which each element was touched
-    i = np.clip(np.searchsorted(depth, g) - 1, 0, h.size - 1)
-    wait = np.clip((g - depth[i]) / np.where(rate[i] > 0, rate[i], 1.0), 0.0, h[i])[
-        ..., None
-    ]
-    then = np.stack(held)[i] * np.exp(-wait / law.times) + rate[i][
-        ..., None
-    ] * wait * np.asarray(phi1(wait / law.times))
-    then = np.where((g <= depth[0])[..., None], g[..., None], then)
-    since = (time[-1] - time[i])[..., None] - wait
-    branches = (held[-1] - np.exp(-since / law.times) * then) @ law.moduli
-    u = depth[-1] - g
-    return edges, law.equilibrium * u + branches + law.viscosity * rate[-1], u
 
 
 def _on_layer(
