@@ -390,12 +390,12 @@ def test_cutoffs_are_asked_for(tmp_path):
     session = Session("one", Folder(tmp_path))
     name = session.folder.keep("road.csv", SAMPLE.joinpath("road.csv").read_bytes())
     asked = {"shape": "spectrum", "file": name, "convention": "2d"}
-    offers = look(asked, session)["offers"]
+    offers = look(asked, session).offers
     assert offers[0][:2] == ("5 mm", "100 um")
     for longest, shortest, slope in offers:
         seen = look(asked | {"longest": longest, "shortest": shortest}, session)
-        assert not seen["offers"]
-        said = float(seen["words"].split("rms slope")[1].split(",")[0])
+        assert not seen.offers
+        said = float(seen.words.split("rms slope")[1].split(",")[0])
         assert slope == pytest.approx(said, rel=5e-3)
 
 
@@ -411,11 +411,11 @@ def test_cutoffs_are_asked_for_heights(tmp_path):
     rows = "".join(f"{x:.9e},{height:.9e}\n" for x, height in table)
     name = session.folder.keep("profile.csv", f"x [m],height [m]\n{rows}".encode())
     asked = {"shape": "file", "file": name}
-    offers = look(asked, session)["offers"]
+    offers = look(asked, session).offers
     assert [shortest for _, shortest, _ in offers[:2]] == ["100 um", "10 um"]
     seen = look(asked | {"shortest": "10 um"}, session)
-    assert not seen["offers"]
-    said = float(seen["words"].split("rms slope")[1].split(",")[0])
+    assert not seen.offers
+    said = float(seen.words.split("rms slope")[1].split(",")[0])
     assert offers[1][2] == pytest.approx(said, rel=0.05)
 
 
@@ -812,8 +812,9 @@ def test_choices_say_what_they_mean(tmp_path):
         assert all("⟨h²⟩ = ∫" in shown[word] for word in CONVENTIONS)
         assert len(set(shown.values())) == len(shown)
         await until(lambda: not road._sliders["[surface] longest"]._place.visible)
-        waves = page.screen("Friction")._sliders._waves
-        assert not any(slider._place.visible for slider in waves.values())
+        sliders = page.screen("Friction")._sliders._of
+        waves = [sliders[f"[surface] {key}"] for key in ("longest", "shortest")]
+        assert not any(slider._place.visible for slider in waves)
         road.form.set("[surface] convention", "2d")
         await until(lambda: road._sliders["[surface] longest"]._place.visible)
         tyre = page.screen("Tyre")

@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 from nicegui import background_tasks, ui
+from nicegui.events import ValueChangeEventArguments
 
 import elastomdr as em
 
 from ..cli.schema import Content
 from ..cli.units import Temperature
 from ..errors import InputError, quiet
+from ..results.curve import Ranking
 from ..results.plot_curves import SAME_TEMPERATURE, grouped
 from .cards import Cards
 from .form import TableForm
@@ -31,7 +33,6 @@ from .session import COMPUTING, DRAWING, Session
 from .sliders import Sliders
 from .stage import (
     BUTTON,
-    SAMPLE,
     Busy,
     Latest,
     Notes,
@@ -40,6 +41,7 @@ from .stage import (
     drop,
     mark_of_age,
     material_names,
+    sample,
     worked,
 )
 from .words import spoken
@@ -84,12 +86,12 @@ class ComputedStage:
             with ui.element("div").classes("left"):
                 ui.label(screen.lead).classes("lead")
                 if screen.key == "friction":
-                    sample = "Use sample measurement", self._sample
+                    offered = "Use sample measurement", self._sample
                     drop(
                         session,
                         "Measured friction, drawn over the curve",
                         self._dropped,
-                        sample,
+                        offered,
                     )
                 if len(screen.kinds) > 1:
                     labels = {key: kind.label for key, kind in screen.kinds.items()}
@@ -165,11 +167,7 @@ class ComputedStage:
         def rubbers() -> dict[str, str]:
             return material_names(session)
 
-        def files() -> list[str]:
-            return [
-                name for name in session.folder.names() if not name.endswith(".toml")
-            ]
-
+        files = session.folder.measurements
         choices: Mapping[str, Any] = {
             "material": rubbers,
             "other": rubbers,
@@ -208,7 +206,7 @@ class ComputedStage:
             if on_road:
                 self.form.widgets["friction"] = box  # errors name it
 
-    def _on_road(self, event: Any) -> None:
+    def _on_road(self, event: ValueChangeEventArguments) -> None:
         """Takes the friction of a wheel from the road screen, or asks for it."""
         scene = self._session.scenes[self._key]
         scene.pop("friction", None)
@@ -217,7 +215,7 @@ class ComputedStage:
         self._draw_form()
         self.look()
 
-    async def _other_kind(self, event: Any) -> None:
+    async def _other_kind(self, event: ValueChangeEventArguments) -> None:
         self._busy.stop()
         self._clear()
         self._key = event.value
@@ -226,10 +224,7 @@ class ComputedStage:
         await self.show_again()
 
     async def _sample(self) -> None:
-        name = self._session.folder.keep(
-            "friction.csv", SAMPLE.joinpath("friction.csv").read_bytes()
-        )
-        await self._dropped([name])
+        await self._dropped([sample(self._session, "friction.csv")])
 
     async def _dropped(self, names: list[str]) -> None:
         scene = self._session.scenes[self._key]
@@ -383,7 +378,7 @@ class ComputedStage:
             self._sliders.read(computation)
         self.look()
 
-    def _rank(self, ranking: Any) -> None:
+    def _rank(self, ranking: Ranking) -> None:
         """The rubbers, the one with most friction first, with what is significant of
         the order.
         """

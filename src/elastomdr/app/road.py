@@ -26,7 +26,6 @@ from .security import Folder
 from .session import DRAWING, Session
 from .stage import (
     BUTTON,
-    SAMPLE,
     Busy,
     Latest,
     Notes,
@@ -35,6 +34,7 @@ from .stage import (
     Words,
     drop,
     length,
+    sample,
 )
 from .words import path_of, title, with_signs
 
@@ -101,7 +101,7 @@ class RoadStage:
                     Road,
                     self._content,
                     first=_FIRST,
-                    choices={"[surface] file": self._files},
+                    choices={"[surface] file": session.folder.measurements},
                     changed=self._typed,
                     entered=self.redraw,
                 )
@@ -123,15 +123,8 @@ class RoadStage:
             lambda metres: self.form.set(name, length(metres)),
         )
 
-    def _files(self) -> list[str]:
-        return [
-            name for name in self._session.folder.names() if not name.endswith(".toml")
-        ]
-
     async def _sample(self) -> None:
-        name = self._session.folder.keep(
-            "road.csv", SAMPLE.joinpath("road.csv").read_bytes()
-        )
+        name = sample(self._session, "road.csv")
         await self._take(
             {
                 "shape": "spectrum",

@@ -16,6 +16,7 @@ from ..cli.fit import Fit, command
 from ..cli.schema import Content, decode, keys_of
 from ..errors import InputError, advised
 from ..fit.figures import draw_prony, draw_shifts, draw_spectrum
+from ..fit.pipeline import MaterialFit
 from .chart import Drawn, drawn
 from .form import TableForm
 from .scene import CancelledError
@@ -23,13 +24,13 @@ from .session import COMPUTING, Session
 from .shifts import ShiftEditor
 from .stage import (
     BUTTON,
-    SAMPLE,
     Busy,
     Notes,
     Picture,
     Words,
     drop,
     mark_of_age,
+    sample,
     worked,
 )
 from .words import spoken
@@ -59,7 +60,7 @@ class Fitted:
 class RubberStage:
     """The screen."""
 
-    def __init__(self, session: Session, changed: Any):
+    def __init__(self, session: Session, changed: Callable[[str], None]):
         self._session, self._changed = session, changed
         self._fitted: Any = None
         self._shown: Content = {}  # what was asked of the fit that is shown
@@ -79,7 +80,7 @@ class RubberStage:
                     ("Use sample DMA", self._sample),
                     multiple=True,
                 )
-                choices = {"data": self._files}
+                choices = {"data": session.folder.measurements}
                 self.form = TableForm(
                     Fit,
                     session.rubber,
@@ -106,15 +107,8 @@ class RubberStage:
         if session.question:
             self._ask(session.question, copy.deepcopy(session.rubber))
 
-    def _files(self) -> list[str]:
-        return [
-            name for name in self._session.folder.names() if not name.endswith(".toml")
-        ]
-
     async def _sample(self) -> None:
-        name = self._session.folder.keep(
-            "dma.csv", SAMPLE.joinpath("dma.csv").read_bytes()
-        )
+        name = sample(self._session, "dma.csv")
         self._session.rubber |= {"reference": "20 degC", "poisson": 0.5}
         self._session.scenes["friction"]["temperature"] = [
             "0 degC",
@@ -262,7 +256,7 @@ def calculate(
     )
 
 
-def figures(fit: Any) -> dict[str, Drawn]:
+def figures(fit: MaterialFit) -> dict[str, Drawn]:
     """Master curve, shifts and spectrum of a fit."""
     drawings = {
         "master": drawn(draw_prony(fit.prony)),

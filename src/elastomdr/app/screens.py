@@ -207,7 +207,7 @@ SEAL = Screen(
 )
 
 
-def preset(key: str, rubber: Any) -> Content:
+def preset(key: str, rubber: str | list[str]) -> Content:
     """What the form of a kind shows at first; `rubber` is that of the friction screen,
     taken where it was fitted or dropped on the page.
     """

@@ -156,6 +156,10 @@ class Folder:
             for file in sorted(files, key=lambda file: -file.stat().st_mtime_ns)
         ]
 
+    def measurements(self) -> list[str]:
+        """The names of the files that are no materials."""
+        return [name for name in self.names() if not name.endswith(".toml")]
+
     def keep(self, name: str, content: bytes, *, anew: bool = False) -> str:
         """Writes a file; returns the name that it has here. Raises `InputError` for one
         that is too large or empty.

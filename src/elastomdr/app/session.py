@@ -7,7 +7,8 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+
+from nicegui import Client
 
 from ..cli.schema import Content
 from ..errors import InputError
@@ -56,7 +57,7 @@ class Session:
         done = latest is not None and latest.asked == self.rubber
         return [] if done else self.rubber.get("data", [])
 
-    def shown_by(self, client: Any) -> None:
+    def shown_by(self, client: Client) -> None:
         """Stays as long as NiceGUI keeps this client: until a minute after its
         connection has ended.
         """

@@ -12,18 +12,15 @@ import elastomdr as em
 
 from ..checks import significant
 from ..cli.schema import Content
-from ..cli.units import Length, Pressure, Temperature
+from ..cli.units import Length, Pressure, SceneQuantity, Temperature
 from ..errors import InputError
 from ..results.axes import place_in_words
 from ..results.doubts import Kind, where
 from ..results.words import in_words
 from .scene import Done
 from .stage import Slider, length
-from .words import with_signs
+from .words import path_of, with_signs
 
-_WAVES = {"longest": (1e-4, 0.1), "shortest": (1e-7, 2e-3)}  # [m]
-_PRESSURES = (0.01e6, 10e6)  # [Pa]
-_TEMPERATURES = (233.15, 393.15)  # [K]
 _VELOCITIES = (1e-7, 100.0)  # [m/s]
 # doubts that are said of a reading; what has no bound is said in place of one
 _SAID: tuple[Kind, ...] = ("extrapolated", "hot branch", "bound", "estimate")
@@ -40,28 +37,16 @@ class Sliders:
         self._content = content
         self._done: Done | None = None
         with ui.element("div").classes("sliders"):
-            self._waves = {
-                key: Slider(
-                    f"{key.capitalize()} wavelength of the road",
+            self._of = {
+                field: Slider(
+                    label,
                     limits,
-                    lambda metres: with_signs(length(metres)),
-                    lambda metres, key=key: moved(f"[surface] {key}", length(metres)),
+                    lambda value, typed=typed: with_signs(typed(value)),
+                    lambda value, name=field, typed=typed: moved(name, typed(value)),
+                    logarithmic=quantity is not Temperature,
                 )
-                for key, limits in _WAVES.items()
+                for field, (label, limits, quantity, typed) in _MOVED.items()
             }
-            self._pressure = Slider(
-                "Nominal pressure",
-                _PRESSURES,
-                _pressure,
-                lambda pascal: moved("[contact] pressure", _pressure(pascal)),
-            )
-            self._temperature = Slider(
-                "Rubber temperature",
-                _TEMPERATURES,
-                lambda temperature: with_signs(_celsius(temperature)),
-                lambda temperature: moved("temperature", _celsius(temperature)),
-                logarithmic=False,
-            )
             self._velocity = Slider(
                 "Read at velocity", _VELOCITIES, _velocity, self._read
             )
@@ -69,14 +54,16 @@ class Sliders:
         self.look()
 
     def look(self) -> None:
-        """Shows the values of the scene, of several the first."""
-        surface = self._content.get("surface", {})
-        contact = self._content.get("contact", {})
-        for key, slider in self._waves.items():
-            cut = surface.get("shape") in ("self_affine", "spectrum")
-            _place(slider, Length, surface.get(key) if cut else None)
-        _place(self._pressure, Pressure, contact.get("pressure"))
-        _place(self._temperature, Temperature, self._content.get("temperature"))
+        """Shows the values of the scene, of several the first; of waves only where a
+        surface is cut at them.
+        """
+        for field, slider in self._of.items():
+            *tables, key = path_of(field)
+            place = self._content
+            for table in tables:
+                place = place.get(table, {})
+            cut = place.get("shape", "spectrum") in ("self_affine", "spectrum")
+            _place(slider, _MOVED[field][2], place.get(key) if cut else None)
 
     def read(self, computation: Done | None) -> None:
         """Reads the curves of a result where the velocity's slider is."""
@@ -135,7 +122,7 @@ def _reading(name: str, values: Sequence[float], marks: Iterable[str]) -> str:
     return f"{name}µ = {significant(mu, 3)} {spread}{''.join(doubted)}"
 
 
-def _place(slider: Slider, quantity: Any, value: Any) -> None:
+def _place(slider: Slider, quantity: type[SceneQuantity], value: Any) -> None:
     """Puts a slider where a value is, and hides it where there is none to read."""
     try:
         slider.set(float(quantity.read(value[0] if isinstance(value, list) else value)))
@@ -155,3 +142,22 @@ def _celsius(temperature: float) -> str:
 
 def _velocity(velocity: float) -> str:
     return in_words("velocity", float(significant(velocity, 3)))
+
+
+# by field: what is moved, between which values, what it measures, how it is typed
+_MOVED = {
+    "[surface] longest": (
+        "Longest wavelength of the road",
+        (1e-4, 0.1),
+        Length,
+        length,
+    ),
+    "[surface] shortest": (
+        "Shortest wavelength of the road",
+        (1e-7, 2e-3),
+        Length,
+        length,
+    ),
+    "[contact] pressure": ("Nominal pressure", (0.01e6, 10e6), Pressure, _pressure),
+    "temperature": ("Rubber temperature", (233.15, 393.15), Temperature, _celsius),
+}

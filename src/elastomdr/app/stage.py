@@ -209,7 +209,7 @@ class Slider:
             self._slider = ui.slider(min=low, max=high, step=step, value=low)
             self._slider.props(f'aria-label="{label}"')
 
-        def changed(event: Any) -> None:
+        def changed(event: events.GenericEventArguments) -> None:
             value = self._of(float(event.args))
             self._value.text = as_text(value)
             moved(value)
@@ -271,6 +271,11 @@ def material_names(session: Session) -> dict[str, str]:
 def _library() -> tuple[str, ...]:
     """The materials of the library, looked for once by a server: that takes long."""
     return tuple(em.materials())
+
+
+def sample(session: Session, name: str) -> str:
+    """Keeps a sample in the session's folder; returns its name there."""
+    return session.folder.keep(name, SAMPLE.joinpath(name).read_bytes())
 
 
 def drop(

@@ -132,12 +132,7 @@ def _moduli(
 
 def _shift(shift: dict[str, Any]) -> str:
     if shift["law"] == "table":
-        temperature, factor = shift["temperature"], shift["log10_a"]
-        ends = f"{_kelvin(temperature[0])} to {_kelvin(temperature[-1])}"
-        return (
-            f"table, {len(temperature)} temperatures from {ends}, log10 a_T "
-            f"{factor[0]:.4g} to {factor[-1]:.4g}"
-        )
+        return _table(shift["temperature"], "log10 a_T", shift["log10_a"])
     numbers = (
         f"{key} = {value:.6g}{_SHIFT_UNITS[key]}"
         for key, value in shift.items()
@@ -149,10 +144,13 @@ def _shift(shift: dict[str, Any]) -> str:
 def _vertical(vertical: dict[str, Any]) -> str:
     if vertical["law"] == "entropic":
         return f"b_T = T/{vertical['reference']:.6g} K, elasticity of entropy"
-    temperature, factor = vertical["temperature"], vertical["factor"]
+    return _table(vertical["temperature"], "b_T", vertical["factor"])
+
+
+def _table(temperature: list[float], name: str, factor: list[float]) -> str:
     ends = f"{_kelvin(temperature[0])} to {_kelvin(temperature[-1])}"
     return (
-        f"table, {len(temperature)} temperatures from {ends}, b_T {factor[0]:.4g} to "
+        f"table, {len(temperature)} temperatures from {ends}, {name} {factor[0]:.4g} to "
         f"{factor[-1]:.4g}"
     )
 
