@@ -291,7 +291,6 @@ TRACED = {
     "indent on a layer": lambda m, s, k: (
         em.indent(em.layer(m, 2e-3), _ball(s), time=TIME, depth=k * 1e-4 * TIME).force
     ),
-    "a rough line": lambda m, s, k: em.friction(m, _line(s), velocity=1.0, load=k).mu,
 }
 
 
@@ -306,11 +305,6 @@ def _profile(size):
 
 def _surface(size):
     return em.SelfAffine(0.8, rms_slope=0.3 * size, q_low=1e3, q_high=8e3)
-
-
-def _line(size):
-    x = 1e-5 * np.arange(64)
-    return em.RoughLine(x, size * 1e-6 * np.sin(1e4 * np.pi / 3.2 * x))
 
 
 @pytest.mark.parametrize("wide", [False, True], ids=["32-bit types", "64-bit types"])

@@ -55,15 +55,15 @@ _COARSEST = 32  # cells along a side below which no coarser grid is solved
 class Convolution(NamedTuple):
     """K and about its inverse, as factors in Fourier space."""
 
-    kernel: Any  # K [m/Pa]
-    inverse: Any  # about 1/K
+    kernel: np.ndarray  # K [m/Pa]
+    inverse: np.ndarray  # about 1/K
     shape: tuple[int, int]  # of the transforms: of a single body twice the grid
 
-    def displacement(self, pressure: Any) -> Any:
+    def displacement(self, pressure: np.ndarray) -> Any:
         """u = K p."""
         return self._times(self.kernel, pressure)
 
-    def pressure(self, displacement: Any) -> Any:
+    def pressure(self, displacement: np.ndarray) -> Any:
         """p of about that displacement."""
         return self._times(self.inverse, displacement)
 
@@ -71,7 +71,7 @@ class Convolution(NamedTuple):
         """Displacement [m] of each cell by a pressure of 1 Pa on the cell (0, 0)."""
         return fft.irfft2(self.kernel, self.shape)
 
-    def _times(self, factor: Any, field: Any) -> Any:
+    def _times(self, factor: np.ndarray, field: np.ndarray) -> Any:
         waves: Any = fft.rfft2(field, self.shape)
         whole: Any = fft.irfft2(factor * waves, self.shape, overwrite_x=True)
         return whole[: field.shape[0], : field.shape[1]]
@@ -83,7 +83,7 @@ class CompiledConvolution(Convolution):
     def influence(self) -> Any:
         return fft.irfft2(np.asarray(self.kernel), self.shape)
 
-    def _times(self, factor: Any, field: Any) -> Any:
+    def _times(self, factor: np.ndarray, field: np.ndarray) -> Any:
         import jax
 
         with jax.enable_x64(field.dtype == np.float64):
@@ -94,7 +94,7 @@ class CompiledConvolution(Convolution):
 def _product(shape: tuple[int, int]) -> Any:
     import jax
 
-    def product(factor: Any, field: Any) -> Any:
+    def product(factor: np.ndarray, field: np.ndarray) -> Any:
         waves = jax.numpy.fft.rfft2(field, shape)
         whole = jax.numpy.fft.irfft2(factor * waves, shape)
         return whole[: field.shape[0], : field.shape[1]]
@@ -142,7 +142,7 @@ EXACT = Accuracy(1e-10, 1e-6, 0.0, False)
 class CellContact(NamedTuple):
     """Where and how hard cells touch."""
 
-    pressure: Any  # of each cell [Pa]
+    pressure: np.ndarray  # of each cell [Pa]
     depth: float  # d [m]
     settled: bool
     products: int  # with K, the measure of the work
@@ -151,8 +151,8 @@ class CellContact(NamedTuple):
 @one_thread()
 def settle(
     cells: Convolution,
-    height: Any,
-    start: Any,
+    height: np.ndarray,
+    start: np.ndarray,
     accuracy: Accuracy,
     *,
     load: float | None = None,
@@ -205,9 +205,9 @@ def _tolerated(accuracy: Accuracy, count: int, waited: int) -> float:
 
 def _solved(
     cells: Convolution,
-    height: Any,
-    touching: Any,
-    pressure: Any,
+    height: np.ndarray,
+    touching: np.ndarray,
+    pressure: np.ndarray,
     tolerance: float,
     load: float | None,
     depth: float | None,
@@ -219,19 +219,19 @@ def _solved(
     if index.size <= _FEW:
         return _eliminated(cells, height, touching, load, depth)
 
-    def on_grid(values: Any) -> Any:
+    def on_grid(values: np.ndarray) -> Any:
         field = np.zeros(height.size, height.dtype)
         field[index] = values
         return field.reshape(height.shape)
 
-    def projected(field: Any) -> Any:
+    def projected(field: np.ndarray) -> Any:
         values = field.reshape(-1)[index]
         return values - values.mean() if depth is None else values
 
-    def product(values: Any) -> Any:
+    def product(values: np.ndarray) -> Any:
         return projected(cells.displacement(on_grid(values)))
 
-    def precondition(values: Any) -> Any:
+    def precondition(values: np.ndarray) -> Any:
         return projected(cells.pressure(on_grid(values)))
 
     def operator(function: Callable[[Any], Any]) -> Any:
@@ -253,8 +253,8 @@ def _solved(
 
 def _eliminated(
     cells: Convolution,
-    height: Any,
-    touching: Any,
+    height: np.ndarray,
+    touching: np.ndarray,
     load: float | None,
     depth: float | None,
 ) -> tuple[Any, float, int]:
@@ -279,12 +279,15 @@ def _eliminated(
 
 
 def _change(
-    product: Any, precondition: Any, rest: Any, tolerance: float
+    product: LinearOperator,
+    precondition: LinearOperator,
+    rest: np.ndarray,
+    tolerance: float,
 ) -> tuple[Any, int]:
     """The pressures whose `product` is `rest`, and how many products that took."""
     used = []
 
-    def preconditioned(values: Any) -> Any:
+    def preconditioned(values: np.ndarray) -> Any:
         used.append(1)
         return product.matvec(precondition.matvec(values.astype(rest.dtype)))
 
@@ -301,17 +304,17 @@ class MapWaves(NamedTuple):
     them.
     """
 
-    kernel: Any  # K [m/Pa], 0 for the mean
-    inverse: Any  # 1/K
+    kernel: np.ndarray  # K [m/Pa], 0 for the mean
+    inverse: np.ndarray  # 1/K
     # friction stress for |p_k|^2 = 1, with the waves that rfft2 leaves out [1/Pa]
-    loss: Any
+    loss: np.ndarray
 
 
 def waves(
     modulus: Callable[[Any], Any],
     velocity: float,
     shape: tuple[int, int],
-    sides: Any,
+    sides: tuple[float, float],
     angle: float = 0.0,
 ) -> MapWaves:
     """The waves of a map of `shape` cells on `sides` [m] that moves at `angle` to x
@@ -347,20 +350,20 @@ class MapContact(NamedTuple):
     stress: float  # mean friction stress [Pa]
     area: float  # real contact area over nominal area
     separation: float  # mean gap [m]
-    pressure: Any  # of each cell [Pa]
+    pressure: np.ndarray  # of each cell [Pa]
     settled: bool
     products: int  # with K, the measure of the work
 
 
 def solve(
     modulus: Callable[[Any], Any],
-    heights: Any,
-    sides: Any,
+    heights: np.ndarray,
+    sides: tuple[float, float],
     *,
     velocity: float,
     pressure: float,
     angle: float = 0.0,
-    start: Any = None,
+    start: np.ndarray | None = None,
     double: bool = True,
 ) -> MapContact:
     """Contact of periodic `heights` [m] (positive into the rubber) at a mean `pressure`
@@ -395,7 +398,9 @@ def solve(
     return last._replace(products=last.products + contact.products)
 
 
-def _in_full_contact(on: MapWaves, heights: Any, mean: float) -> MapContact | None:
+def _in_full_contact(
+    on: MapWaves, heights: np.ndarray, mean: float
+) -> MapContact | None:
     """The solution where it is positive everywhere, from the heights' own waves; else
     None.
     """
@@ -408,7 +413,12 @@ def _in_full_contact(on: MapWaves, heights: Any, mean: float) -> MapContact | No
 
 
 def _settled(
-    on: MapWaves, heights: Any, mean: float, start: Any, real: Any, accuracy: Accuracy
+    on: MapWaves,
+    heights: np.ndarray,
+    mean: float,
+    start: np.ndarray,
+    real: type[np.floating],
+    accuracy: Accuracy,
 ) -> MapContact:
     """The contact in numbers of type `real`, and its friction and area."""
     scale = float(np.std(heights))
@@ -440,7 +450,7 @@ def _settled(
     )
 
 
-def area_of(touching: Any) -> float:
+def area_of(touching: np.ndarray) -> float:
     """Share of the cells in contact, corrected for the staircase of their border.
 
     By the length of that border (Yastrebov, Anciaux and Molinari, Tribol. Int. 114

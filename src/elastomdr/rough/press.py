@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..arrays import on_jax, xp
+from ..arrays import Array, on_jax, xp
 from ..call.extrapolation import (
     excited_outside,
     held_beyond,
@@ -31,7 +31,7 @@ from ..call.extrapolation import (
     rough_beyond,
 )
 from ..call.model_choice import is_rough, of_line
-from ..call.problem import check_carries, check_rtol
+from ..call.problem import check_carries
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
@@ -59,7 +59,7 @@ from .results import RoughContact
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
-    from ..call.types import Material, Surface
+    from ..call.types import Material, ModelLike, Surface
 
 # least rise of a piece over that of the line: a horizontal one would be a jump of s
 _FLAT = 1e-6
@@ -84,7 +84,6 @@ def press(
     conductivity: ArrayLike | None = None,
     resistivity: ArrayLike | None = None,
     model: Line | Literal["line"] | None = None,
-    rtol: float = 1e-4,
 ) -> RoughContact:
     """Approach, incremental stiffness and conductance of a rough surface pressed into
     rubber.
@@ -106,7 +105,6 @@ def press(
         model: `em.Line(...)`; by default eight lines of 16 longest waves. Its
             `equivalent_length` is by default that with which the line in full contact
             stores the energy of the surface, 2 m_1/m_2 of the spectrum's moments.
-        rtol: relative tolerance of the periodic state in sliding.
 
     Returns:
         An `em.RoughContact`. `error` is twice the standard error over the lines, NaN
@@ -121,7 +119,7 @@ def press(
     at rest with respect to material, surface, pressure, time and temperature. Source:
     Popov & Hess 2015, ch. 10; Barber, Proc. R. Soc. A 459 (2003) 53; `docs/theory.md`.
     """
-    foundation, model = _checked(material, surface, model, time, velocity, rtol)
+    foundation, model = _checked(material, surface, model, time, velocity)
     points = _points(foundation, pressure, time, velocity, temperature)
     traced = is_traced(foundation, surface, pressure, time, velocity, temperature)
     if traced and velocity is not None:
@@ -134,7 +132,7 @@ def press(
     solved = (
         _at_rest(points, lines, length)
         if velocity is None
-        else _sliding(points, lines, length, foundation, rtol)
+        else _sliding(points, lines, length, foundation)
     )
     contact = _packed(points, surface, model, lines, solved, traced)
     warn_unless(solved.good, "points")
@@ -165,7 +163,11 @@ def press(
 
 
 def _checked(
-    material: Any, surface: Any, model: Any, time: Any, velocity: Any, rtol: Any
+    material: Material,
+    surface: Surface,
+    model: ModelLike | None,
+    time: ArrayLike | None,
+    velocity: ArrayLike | None,
 ) -> tuple[Foundation, Line]:
     """The foundation and the model. Raises `InputError`."""
     if not is_rough(surface):
@@ -174,8 +176,8 @@ def _checked(
             f"{surface!r}."
         )
     foundation = as_foundation(material)
-    model = of_line(_USUAL if model is None else model, "press")
-    if model.average:
+    chosen = of_line(_USUAL if model is None else model, "press")
+    if chosen.average:
         raise InputError(
             "model must be em.Line() without average in em.press: directions have "
             "no approach of their own."
@@ -185,19 +187,18 @@ def _checked(
             "time or velocity must be given, not both: in sliding the contact is "
             "that of the steady state."
         )
-    check_rtol(rtol)
     if foundation.per_area:
         raise InputError(
             "material must be a half-space under a rough surface, got a layer."
         )
     if time is None:
         check_carries(foundation)
-    return foundation, model
+    return foundation, chosen
 
 
 def _packed(
     points: _Points,
-    surface: Any,
+    surface: Surface,
     model: Line,
     lines: list[RoughLine],
     solved: _PressedContact,
@@ -205,7 +206,7 @@ def _packed(
 ) -> RoughContact:
     """The numbers of the result."""
 
-    def field(values: Any) -> Any:
+    def field(values: Array) -> Any:
         return nan_unless(solved.good, values)
 
     at_rest = points.velocity is None
@@ -237,7 +238,7 @@ def _packed(
     )
 
 
-def _ensemble(surface: Any, lines: list[RoughLine], model: Line) -> str:
+def _ensemble(surface: Surface, lines: list[RoughLine], model: Line) -> str:
     sentence = f"{len(lines)} line{'s' * (len(lines) > 1)} of {lines[0].count} samples"
     return (
         sentence
@@ -250,37 +251,41 @@ class _Points(NamedTuple):
     """The points of a call, of one shape."""
 
     shape: tuple[int, ...]
-    pressure: Any
-    time: Any
-    velocity: Any
-    temperature: Any
-    reduced_pressure: Any  # pressure over b_T [Pa]
-    factor: Any  # a_T
-    compliance: Any  # J at the reduced time, 1/E*(0) without one [1/Pa]
-    vertical: Any  # b_T
+    pressure: Array
+    time: Array | None
+    velocity: Array | None
+    temperature: Array | None
+    reduced_pressure: Array  # pressure over b_T [Pa]
+    factor: Array | float  # a_T
+    compliance: Array  # J at the reduced time, 1/E*(0) without one [1/Pa]
+    vertical: Array | float  # b_T
 
 
 class _PressedContact(NamedTuple):
     """Means over the lines."""
 
-    approach: Any
-    gap: Any
-    stiffness: Any
-    conductance: Any
-    error: Any
-    approach_error: Any
-    good: Any
+    approach: Array
+    gap: Array
+    stiffness: Array
+    conductance: Array
+    error: Array
+    approach_error: Array
+    good: Array
 
 
 def _points(
-    foundation: Foundation, pressure: Any, time: Any, velocity: Any, temperature: Any
+    foundation: Foundation,
+    pressure: ArrayLike,
+    time: ArrayLike | None,
+    velocity: ArrayLike | None,
+    temperature: ArrayLike | None,
 ) -> _Points:
     arrays = positive_arrays(
         pressure=pressure, time=time, velocity=velocity, temperature=temperature
     )
     shape = broadcast_shape(**arrays)
     full = {name: xp.broadcast_to(value, shape) + 0.0 for name, value in arrays.items()}
-    temperatures, time = full.get("temperature"), full.get("time")
+    temperatures, times = full.get("temperature"), full.get("time")
     factor, vertical = (
         (1.0, 1.0)
         if temperatures is None
@@ -288,14 +293,14 @@ def _points(
     )
     compliance = (
         1 / foundation.equilibrium
-        if time is None
-        else foundation.creep_compliance(time / factor)
+        if times is None
+        else foundation.creep_compliance(times / factor)
     )
     reduced_pressure = full["pressure"] / vertical
     return _Points(
         shape,
         full["pressure"],
-        time,
+        times,
         full.get("velocity"),
         temperatures,
         reduced_pressure,
@@ -305,7 +310,7 @@ def _points(
     )
 
 
-def _length(surface: Any, model: Line) -> tuple[Any, str]:
+def _length(surface: Surface, model: Line) -> tuple[Any, str]:
     """The length that turns the pressure into a line load, and the rule in words."""
     length = model.equivalent_length
     if length is None and isinstance(surface, AbstractSpectrum):
@@ -329,7 +334,7 @@ def _length(surface: Any, model: Line) -> tuple[Any, str]:
     )
 
 
-def _lines(surface: Any, model: Line) -> list[RoughLine]:
+def _lines(surface: Surface, model: Line) -> list[RoughLine]:
     from ..surface.spectrum import MOST, line_count, synthesise
     from .ensemble import ensemble
 
@@ -342,7 +347,7 @@ def _lines(surface: Any, model: Line) -> list[RoughLine]:
     return [synthesise(surface, seed, model.periods, samples) for seed in seeds]
 
 
-def _at_rest(points: _Points, lines: list[RoughLine], length: Any) -> _PressedContact:
+def _at_rest(points: _Points, lines: list[RoughLine], length: Array) -> _PressedContact:
     load = points.reduced_pressure * points.compliance * length
     approaches, gaps, conductances, touching = [], [], [], []
     for line in lines:
@@ -370,7 +375,7 @@ def _at_rest(points: _Points, lines: list[RoughLine], length: Any) -> _PressedCo
     )
 
 
-def _conductance(share: Any, length: Any) -> Any:
+def _conductance(share: Array, length: Array | float) -> Any:
     """Over the conductivity [1/m], from the share of the line in contact: of each
     element twice its width.
     """
@@ -385,10 +390,10 @@ def _sliding(
     lines: list[RoughLine],
     length: float,
     foundation: Foundation,
-    rtol: float,
 ) -> _PressedContact:
     from .periodic import Job, solve_lines
 
+    assert points.velocity is not None
     reduced = (points.velocity * points.factor).ravel()
     load = (points.reduced_pressure * length).ravel()
     loads = np.concatenate([load, load * (1 - _STEP), load * (1 + _STEP)])
@@ -436,7 +441,7 @@ def _mean(
     gaps: list[Any],
     conductances: list[Any],
     stiffnesses: list[Any] | None,
-    modulus: Any,
+    modulus: Array | None,
     points: _Points,
     touching: list[Any],
 ) -> _PressedContact:
@@ -445,11 +450,11 @@ def _mean(
         xp.stack(each) for each in (approaches, gaps, conductances)
     )
     mean = xp.mean(conductance, axis=0)
-    stiffness = (
-        0.5 * modulus * mean
-        if stiffnesses is None
-        else xp.mean(xp.stack(stiffnesses), axis=0)
-    )
+    if stiffnesses is None:
+        assert modulus is not None  # of a contact at rest
+        stiffness = 0.5 * modulus * mean
+    else:
+        stiffness = xp.mean(xp.stack(stiffnesses), axis=0)
     count = len(approaches)
     if count > 1:
         with np.errstate(invalid="ignore"):
@@ -472,7 +477,7 @@ def _mean(
     )
 
 
-def _least(points: _Points, surface: Any, line: RoughLine) -> Any:
+def _least(points: _Points, surface: Surface, line: RoughLine) -> Any:
     """Bound of the conductance over the conductivity; of a surface, a square as wide as
     a line is long.
     """
@@ -486,7 +491,13 @@ def _least(points: _Points, surface: Any, line: RoughLine) -> Any:
     return least_conductance(load, spread * highest(spread, slope, line.period**2))
 
 
-def _times(good: Any, conductance: Any, values: Any, name: str, inverse: bool) -> Any:
+def _times(
+    good: Array,
+    conductance: Array,
+    values: ArrayLike | None,
+    name: str,
+    inverse: bool,
+) -> Any:
     """The conductance with conductivities, or resistivities (`inverse`), of one body or
     two; None without them.
     """
@@ -502,7 +513,9 @@ def _times(good: Any, conductance: Any, values: Any, name: str, inverse: bool) -
     return nan_unless(good, conductance / xp.sum(each if inverse else 1 / each))
 
 
-def _beyond(foundation: Foundation, surface: Any, points: _Points) -> tuple[Doubt, ...]:
+def _beyond(
+    foundation: Foundation, surface: Surface, points: _Points
+) -> tuple[Doubt, ...]:
     """Points beyond the data of the material: in sliding by frequency of excitation, at
     rest by 1/t.
     """
@@ -532,10 +545,11 @@ def _too_much(
     return pressed_too_hard(points.reduced_pressure, modulus)
 
 
-def _model_error(surface: Any, points: _Points) -> Any:
+def _model_error(surface: Surface, points: _Points) -> Any:
     """Relative, of the conductance at rest: in the range of `benchmarks/rough_press.py`
     0.28 at most, NaN elsewhere.
     """
+    assert isinstance(surface, AbstractSpectrum)  # lines are not compared
     relative_pressure = np.asarray(
         points.reduced_pressure * points.compliance / surface.rms_slope
     )
@@ -553,22 +567,22 @@ class Bearing(NamedTuple):
     pieces.
     """
 
-    depth: Any  # [m]
-    share: Any
-    load: Any  # N [m]
-    rate: Any  # ds/dd from here to the next [1/m]
-    mean: Any  # <g> [m], the height of the highest peak over the mean
+    depth: Array  # [m]
+    share: Array
+    load: Array  # N [m]
+    rate: Array  # ds/dd from here to the next [1/m]
+    mean: Array  # <g> [m], the height of the highest peak over the mean
 
 
 class PressedLine(NamedTuple):
     """A line under a load."""
 
-    depth: Any  # from the first touch, with the mean displacement of the surface [m]
-    gap: Any  # mean distance of the surfaces [m]
-    share: Any  # of the line in contact
+    depth: Array  # from the first touch, with the mean displacement of the surface [m]
+    gap: Array  # mean distance of the surfaces [m]
+    share: Array  # of the line in contact
 
 
-def bearing(height: Any) -> Bearing:
+def bearing(height: Array) -> Bearing:
     """The table of a periodic line of evenly spaced heights [m]."""
     g = xp.max(height) - height
     least = _FLAT * xp.max(g)
@@ -587,7 +601,7 @@ def bearing(height: Any) -> Bearing:
     return Bearing(depth, share, load, rate, xp.mean(middle))
 
 
-def pressed(on: Bearing, load: Any) -> PressedLine:
+def pressed(on: Bearing, load: Array) -> PressedLine:
     """The line under mean loads over the modulus [m], p L/E*, any shape."""
     last = on.depth.shape[0] - 1
     interval = xp.clip(xp.searchsorted(on.load, load, side="right") - 1, 0, last - 1)
@@ -602,7 +616,7 @@ def pressed(on: Bearing, load: Any) -> PressedLine:
     )
 
 
-def highest(spread: Any, steepness: Any, area: Any, chance: float = 0.05) -> Any:
+def highest(spread: Array, steepness: Array, area: Array, chance: float = 0.05) -> Any:
     """Height that the highest peak of a Gaussian surface exceeds with a small chance,
     in units of `spread`.
 
@@ -620,7 +634,7 @@ def highest(spread: Any, steepness: Any, area: Any, chance: float = 0.05) -> Any
     return u
 
 
-def least_conductance(load: Any, peak: Any) -> Any:
+def least_conductance(load: Array, peak: Array) -> Any:
     """Least conductance over conductivity [1/m] of elastic rough surfaces under p/E* =
     `load`.
 

@@ -282,7 +282,7 @@ def full_contact(
 def full_contact_of_map(
     modulus: Modulus,
     heights: np.ndarray,
-    sides: Any,
+    sides: tuple[float, float],
     velocity: float,
     pressure: float,
     angle: float = 0.0,
