@@ -20,8 +20,8 @@ from scipy.special import erf, erfinv, i0e, k0e
 
 from elastomdr.element.law import surface_foundation
 from elastomdr.material.shift import thermal_factors
-from elastomdr.models import Persson
 from elastomdr.rough.multiscale import FORM
+from elastomdr.rough.road_models import Persson
 
 STEPS = 300  # of t, for the whole way
 PER_DECADE = 12  # wave numbers in depth

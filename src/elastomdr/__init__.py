@@ -18,7 +18,8 @@ _HOMES = {
         "ModelWarning",
     ),
     "progress_bar": ("progress",),
-    "models": ("Averaged", "Line", "Multiscale", "Persson", "HalfSpace"),
+    "models": ("Averaged", "Line"),
+    "rough.road_models": ("Multiscale", "Persson", "HalfSpace"),
     "material.prony": ("Prony", "KelvinVoigt", "Maxwell", "StandardSolid"),
     "material.tabulated": ("TabulatedModulus",),
     "material.shift": (

@@ -41,10 +41,7 @@ from .material.shift import VerticalTable as VerticalTable
 from .material.softening import Softening as Softening
 from .material.tabulated import TabulatedModulus as TabulatedModulus
 from .models import Averaged as Averaged
-from .models import HalfSpace as HalfSpace
 from .models import Line as Line
-from .models import Multiscale as Multiscale
-from .models import Persson as Persson
 from .progress_bar import progress as progress
 from .results.curve import FrictionCurve as FrictionCurve
 from .results.curve import RollingCurve as RollingCurve
@@ -60,6 +57,9 @@ from .rough.line_contact import line_contact as line_contact
 from .rough.press import press as press
 from .rough.results import LineContact as LineContact
 from .rough.results import RoughContact as RoughContact
+from .rough.road_models import HalfSpace as HalfSpace
+from .rough.road_models import Multiscale as Multiscale
+from .rough.road_models import Persson as Persson
 from .seal.break_out import BreakOut as BreakOut
 from .seal.break_out import break_out as break_out
 from .seal.leak import Leak as Leak

@@ -18,7 +18,7 @@ from elastomdr.cli.units import (
     Temperature,
     Velocity,
 )
-from elastomdr.models import KINDS as MODELS
+from elastomdr.verbs.roads import KINDS as MODELS
 
 
 def quantities(kind=SceneQuantity):

@@ -80,7 +80,7 @@ def copy(tmp_path):
 
 
 def test_a_road_model(copy, tmp_path):
-    numbers, a_class, kind, label, name = Recipe("A model").steps
+    numbers, imported, kind, label, name = Recipe("A model").steps
     use = """
         import elastomdr as em
         rubber = em.Prony(equilibrium=1e6, moduli=[1e6], times=[1e-3])
@@ -96,11 +96,10 @@ def test_a_road_model(copy, tmp_path):
     """
     assert "toy" in copy.run(use, tmp_path).stderr
     (copy.source / "elastomdr" / numbers[0]).write_text(numbers[1], encoding="utf-8")
-    copy.insert(a_class[0], f"{a_class[1]}\n\n", before="KINDS: dict")
+    copy.insert(imported[0], imported[1], before="from ..surface.rough_line")
     copy.insert(kind[0], kind[1], before="HalfSpace,", after="KINDS: dict")
     copy.insert(label[0], label[1], before='"half-space",')
-    line = name[1].rstrip()
-    copy.replace(name[0], line.replace(', "Toy"', ""), line)
+    copy.insert(name[0], name[1], before='"rough.road_models"')
     ran = copy.run(use, tmp_path)
     assert ran.stdout.split() == ["toy"], ran.stderr
 

@@ -57,8 +57,7 @@ def imports(path: Path, types: bool = False) -> list[tuple[str, ...]]:
     """
     home = ("elastomdr", *path.relative_to(SOURCE).with_suffix("").parts)
     tree = tree_of(path)
-    # a method of a model imports its room where it is called
-    nodes = list(tree.body if path.name == "models.py" else ast.walk(tree))
+    nodes = list(ast.walk(tree))
     skipped = set()
     for node in nodes:
         if (
@@ -259,5 +258,4 @@ def test_no_circle_of_imports():
 
 
 def test_no_circle_with_types_counted():
-    """Models, which answer for rooms that ask them, name what is in these."""
-    assert not circle([path for path in files() if path.name != "models.py"], True)
+    assert not circle(files(), True)

@@ -98,15 +98,19 @@ def _in_words(error: InputError) -> str:
     """
     from .units import shown
 
-    models: Any = sys.modules.get(f"{__package__}.models".replace(".cli", ""))
-    if models is None:
+    roads: Any = sys.modules.get(f"{__package__}.verbs.roads".replace(".cli", ""))
+    if roads is None:
         return error.words(error.subject, shown)
 
     def written(got: Any) -> str:
-        return f'"{got.label}"' if isinstance(got, models.Model) else shown(got)
+        return (
+            f'"{got.label}"'
+            if isinstance(got, tuple(roads.KINDS.values()))
+            else shown(got)
+        )
 
     message = error.words(error.subject, written)
-    for label, kind in models.KINDS.items():
+    for label, kind in roads.KINDS.items():
         message, *calls = message.split(f"{kind.__name__}(")
         for call in calls:
             options, _, after = call.partition(")")

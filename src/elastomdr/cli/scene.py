@@ -133,7 +133,7 @@ class ContactTable(Table):
         }
         if model is None and not options:
             return found
-        from ..models import KINDS
+        from ..verbs.roads import KINDS
 
         kinds: dict[str, Any] = KINDS
         for key in options:

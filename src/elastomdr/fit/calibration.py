@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 from scipy.special import stdtrit
 
-from ..call.model_choice import hint_at_line, is_rough, of_rough
+from ..call.model_choice import is_rough
 from ..call.problem import Asked
 from ..checks import as_float64, in_si, one_of, positive, require
 from ..errors import (
@@ -31,6 +31,7 @@ from ..material.tabulated import needs_series
 from ..models import as_model
 from ..surface.spectrum import AbstractSpectrum
 from ..trees import replaced
+from ..verbs.roads import KINDS, doubt_of, for_changes, hint_at_line, of_rough
 from .report import TWO_SIGMA, AbstractFindings, tell
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ def check(
             f"{shape!r}."
         )
     if "length" in names:
-        model = as_model(scene.get("model"))
+        model = as_model(scene.get("model"), KINDS)
         length = getattr(model, "equivalent_length", None)
         if not isinstance(length, (int, float)):
             raise InputError(
@@ -114,7 +115,7 @@ def applied(
     if "heights" in values:
         shape = shape.raised(10.0 ** values["heights"])
     if "length" in values:
-        model: Any = as_model(scene["model"])
+        model: Any = as_model(scene["model"], KINDS)
         length = model.equivalent_length * 10.0 ** values["length"]
         scene["model"] = dataclasses.replace(model, equivalent_length=length)
     return _of_material(material, values), shape, scene
@@ -389,8 +390,8 @@ def _road_model(
     asked = Asked(velocity, load, depth, pressure)
     hint_at_line(scene.get("model"), shape, asked)
     model = of_rough(scene.get("model"), shape, scene.get("pressure"))
-    model = model.for_changes(shape, finer)
-    doubt = None if scene.get("pressure") is None else model.doubt(shape)
+    model = for_changes(model, shape, finer)
+    doubt = None if scene.get("pressure") is None else doubt_of(model, shape)
     if doubt is not None:
         warn(doubt, ModelWarning)
     return model

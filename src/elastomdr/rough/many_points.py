@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, on_jax
-from ..models import SurfaceModel
 from .local_modulus import Local
 from .psd_integrals import Nodes, Tables
+from .road_model import SurfaceModel
 
 # points from which an accelerator is asked for: below, compiling takes longer
 _MANY = 20_000

@@ -53,7 +53,6 @@ from ..arrays import Array, namespace, stop_gradient, xp
 from ..checks import is_traced, known
 from ..element.law import TabulatedFoundation
 from ..material.tabulated import LEFT_OUT
-from ..models import SurfaceFriction, SurfaceModel
 from ..numerics.implicit import as_doubles, numbers_with_slopes
 from ..numerics.interpolation import hermite
 from ..numerics.quadrature import gauss
@@ -79,6 +78,7 @@ from .psd_integrals import (
     spread_of,
     tables,
 )
+from .road_model import SurfaceFriction, SurfaceModel, Waves
 
 if TYPE_CHECKING:
     from .._types import Scalar
@@ -236,16 +236,6 @@ def _evaluate(
     """mu and area of real contact at each point."""
     by_wave = model.waves(modulus, wave_nodes, velocity, pressure, table, local)
     return by_wave.each.sum((-2, -1)) + by_wave.edges, by_wave.area
-
-
-class Waves(NamedTuple):
-    """Where on the scale of lengths a surface is in contact and loses energy."""
-
-    each: Array  # friction of each node (points, cells, 2)
-    edges: Array  # friction of the waves beyond q_high (points,)
-    rate: Array  # dR/dlog q, of which the shares of contact are made
-    stiffer: Array  # by what factor contacts feel a larger |E*|^2, its log
-    area: Array  # of real contact
 
 
 def contact(

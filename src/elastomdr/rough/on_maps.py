@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
-from ..models import HalfSpace, SurfaceFriction
 from ..surface.height_map import HeightMap, PeriodicMap
 from ..surface.lay import lay_of
 from ..surface.topography import MeasuredSurface
@@ -32,6 +31,7 @@ from .random_maps import (
     unsolved_words,
 )
 from .random_maps import friction as on_random_maps
+from .road_model import MapsOf, SurfaceFriction
 
 if TYPE_CHECKING:
     from ..surface.spectrum import AbstractSpectrum
@@ -48,24 +48,23 @@ Run = Callable[[Any, float | None], SurfaceFriction]
 
 
 def friction(
-    model: HalfSpace,
+    maps_of: MapsOf,
     modulus: Callable[[Any], Any],
     surface: AbstractSpectrum,
     velocity: np.ndarray,
     pressure: np.ndarray,
     directed: Directed | None,
-    seeds: tuple[int, ...],
     rtol: float,
     progress: Callable[[int, int], None] | None,
 ) -> SurfaceFriction:
     """Points (velocity [m/s], pressure [Pa]), flat."""
-    on_measured, has_lay = model.on_map(surface), lay_of(surface) is not None
+    on_measured, has_lay = maps_of.measured, lay_of(surface) is not None
     sampled: list[np.ndarray | None] = [None]
     if directed is not None:
         sampled = [np.asarray(directed.direction)]
     elif on_measured or has_lay:
         sampled = [np.full(velocity.shape, np.pi * turn) for turn in _SAMPLED[has_lay]]
-    maps = 1 if on_measured else len(seeds)
+    maps = 1 if on_measured else len(maps_of.seeds)
     counter, total = itertools.count(1), len(sampled) * maps * velocity.size
 
     def tick() -> None:
@@ -74,7 +73,7 @@ def friction(
             progress(number, total)
 
     if on_measured:
-        grid = cells_of(surface, model.cells)
+        grid = cells_of(surface, maps_of.cells)
         whole = _map_of(surface).periodic(grid)
 
         def run(batch: np.ndarray, direction: float | None) -> SurfaceFriction:
@@ -84,12 +83,12 @@ def friction(
             )
 
     else:
-        square = grid_of(surface, model.cells, model.periods)
+        square = grid_of(surface, maps_of.cells, maps_of.periods)
 
         def run(batch: np.ndarray, direction: float | None) -> SurfaceFriction:
             given = velocity[batch], pressure[batch]
             return on_random_maps(
-                modulus, surface, *given, square, seeds, rtol, tick, direction
+                modulus, surface, *given, square, maps_of.seeds, rtol, tick, direction
             )
 
     return _mean([_each(run, direction) for direction in sampled], has_lay)

@@ -21,14 +21,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..models import Persson, SurfaceFriction
 from ..surface.lay import lay_of
 from ..surface.spectrum import rough_map
 from .against_lay import Directed
 from .half_space import solve, waves
 from .local_modulus import Local
-from .multiscale import averages_of
+from .multiscale import averages_of, contact, waves_of_persson
 from .psd_integrals import Modulus, integral_to, nodes
+from .road_model import SurfaceFriction
 
 if TYPE_CHECKING:
     from ..surface.spectrum import AbstractSpectrum
@@ -230,6 +230,9 @@ def on_map(
     return answer
 
 
+_ENERGY = 0.5, True  # gamma of Persson's S, and that it is in the contact too
+
+
 def summits(
     modulus: Modulus,
     spectrum: AbstractSpectrum,
@@ -240,12 +243,11 @@ def summits(
 ) -> np.ndarray:
     """How many summits of the longest waves carry the load, by Persson's theory."""
     wave_nodes = nodes(spectrum, 16)
-    model = Persson()
-    local = Local(directed=directed)
-    by_wave = model.waves(modulus, wave_nodes, velocity, pressure, None, local)
-    shares = model.contact(
-        integral_to(by_wave.rate, wave_nodes.weight), by_wave.stiffer
+    by_wave = waves_of_persson(
+        modulus, wave_nodes, velocity, pressure, _ENERGY, None, Local(directed=directed)
     )
+    variance = integral_to(by_wave.rate, wave_nodes.weight)
+    shares = contact(variance, *_ENERGY, by_wave.stiffer)
     shares = shares.reshape(velocity.size, -1)
     longest = spectrum.q[
         int(np.argmax(np.diff(np.log(spectrum.c)) / np.diff(np.log(spectrum.q)) < -1))

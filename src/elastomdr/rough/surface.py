@@ -33,7 +33,6 @@ from ..element.law import Foundation, TabulatedFoundation, surface_foundation
 from ..errors import InputError, ModelWarning, warn
 from ..material.shift import thermal_factors
 from ..material.validity import Range, misfit
-from ..models import Multiscale, SurfaceFriction, SurfaceModel
 from ..results.base import WIDE
 from ..results.curve import FrictionCurve
 from ..results.doubts import Doubt
@@ -47,6 +46,8 @@ from .against_lay import Directed
 from .heat import NO_STATE, Heat, check_heat, why_no_state
 from .local_modulus import Local, SoftenedByScale
 from .problem import RoughCall
+from .road_model import SurfaceFriction, SurfaceModel
+from .road_models import Multiscale
 
 if TYPE_CHECKING:
     from .._types import Number

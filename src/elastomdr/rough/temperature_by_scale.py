@@ -38,7 +38,6 @@ import numpy as np
 
 from ..arrays import Array, is_traced, namespace, stop_gradient, xp
 from ..checks import known
-from ..models import SurfaceModel
 from ..numerics.implicit import as_doubles, implicit, numbers_with_slopes
 from ..numerics.quadrature import gauss_unit
 from ..surface.lay import lay_of
@@ -46,8 +45,9 @@ from .adhesion import AdhesiveShear
 from .against_lay import Which, of_points, to_points
 from .heat import Heat, highest_rise
 from .local_modulus import Local, SoftenedByScale, Warmed, basis, log_stations, place_of
-from .multiscale import Waves, bends, table_of
+from .multiscale import bends, table_of
 from .psd_integrals import Nodes, cell_counts, integral_to, nodes
+from .road_model import SurfaceModel, Waves
 
 if TYPE_CHECKING:
     from ..call.types import SteadyBody

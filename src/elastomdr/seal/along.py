@@ -37,10 +37,11 @@ from numpy.polynomial import chebyshev
 
 from ..arrays import compiled, is_traced, stop_gradient, xp
 from ..checks import Array
-from ..models import GapFlow, Model
 from ..numerics.interpolation import hermite, monotone_slopes
 from ..numerics.root import search
 from ..results.base import part, quantity
+from ..surface.spectrum import AbstractSpectrum
+from .channels import Channels, GapFlow
 from .persson_gap import closing_pressure
 
 _PLACES = 65  # at which the fluid along an even seal is kept
@@ -85,8 +86,8 @@ class Fluid(NamedTuple):
 class PressedSeal(NamedTuple):
     """What is asked of a model, and how it is pressed."""
 
-    model: Model
-    surface: Any
+    model: Channels
+    surface: AbstractSpectrum
     soft: Any  # 1/E* [1/Pa]
     drop: Any  # dp [Pa]
     fluid: Fluid
@@ -165,7 +166,7 @@ def _asked(pressed: PressedSeal, relative_pressure: Any) -> GapFlow:
     """The model's answers at pressures over E* (rows, ...), in their shape."""
     rows, *dims = relative_pressure.shape
     flat = relative_pressure.reshape(rows, -1)
-    gaps = pressed.model.leak(pressed.surface, flat, pressed.direction)
+    gaps = pressed.model.flow(pressed.surface, flat, pressed.direction)
     shaped = {
         name: x.reshape((*x.shape[:-1], *dims)) for name, x in _arrays(gaps).items()
     }
@@ -254,11 +255,9 @@ def _whole(
 def even(pressed: PressedSeal, pressure: Any, length: Any) -> SealFlow:
     """A seal that is pressed evenly."""
     model, fluid = pressed.model, pressed.fluid
-    closed = stop_gradient(
-        closing_pressure(model.closes_at()) * pressed.surface.rms_slope
-    )
+    closed = stop_gradient(closing_pressure(model.closes) * pressed.surface.rms_slope)
     dry = pressure * pressed.soft
-    line = _line(model.leak_nodes, pressure, dry, pressed.drop, fluid, closed)
+    line = _line(model.nodes, pressure, dry, pressed.drop, fluid, closed)
     dry = xp.broadcast_to(dry, line.x.shape[1:])
     every = _asked(pressed, xp.concatenate([dry[None], line.x]))
     slip, bounds = every.slip, every.model_error
@@ -272,7 +271,7 @@ def even(pressed: PressedSeal, pressure: Any, length: Any) -> SealFlow:
     )
     profile = None
     if not is_traced(line.x, length):
-        rule, through = _rule(model.leak_nodes), whole.through
+        rule, through = _rule(model.nodes), whole.through
         passed = np.moveaxis(whole.flux, 0, -1) @ rule.until.T
         passed = passed / np.where(through > 0, through, 1.0)[..., None]
         left = (1 - line.share)[..., None] * np.exp(line.span[..., None] * rule.places)
@@ -406,8 +405,8 @@ def _tables(pressed: PressedSeal, peak: Array) -> tuple[_Table, _Table]:
     z), z = s over that at closing, in which roots of w are smooth up to closing.
     """
     model, surface = pressed.model, pressed.surface
-    closed = closing_pressure(model.closes_at()) * surface.rms_slope
-    step = _SPACING / (model.leak_nodes - 1)
+    closed = closing_pressure(model.closes) * surface.rms_slope
+    step = _SPACING / (model.nodes - 1)
     top = float(peak.max() / closed)
     end = min(_RANGE[1], np.log(top / (1 - top))) if top < 1 else _RANGE[1]
     low = min(np.log(float(peak.min() / closed)), 0.0) - _RANGE[0]

@@ -33,11 +33,12 @@ from ..checks import (
 from ..element.law import Foundation
 from ..errors import InputError
 from ..material.validity import material_in_words
-from ..models import Model, Multiscale, Persson, as_model
+from ..models import Model, as_model
 from ..results.base import Array, Result, quantity, record
 from ..results.words import brief, span
 from ..rough.adhesion import MOST_SHEAR, AdhesiveShear
 from ..rough.local_modulus import Local
+from ..rough.road_models import Multiscale, Persson
 from ..rough.surface import bound_of_heights
 from .leak import BOTH, pressed_bodies, softness
 
@@ -170,7 +171,10 @@ def break_out(
     foundation = pressed_bodies(material, surface, time)
     chosen: Any = as_model(model, _KINDS) or Multiscale()
     if chosen.label not in _KINDS:
-        chosen._refuse("em.Multiscale() or em.Persson() for a break-out")
+        raise InputError(
+            "model must be em.Multiscale() or em.Persson() for a break-out, got "
+            f"{chosen!r}."
+        )
     shear = _checked_shear(boundary_shear, temperature)
     arguments = {"pressure": pressure, "time": time}
     arguments |= {"velocity": velocity, "temperature": temperature}

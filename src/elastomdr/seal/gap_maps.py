@@ -34,12 +34,12 @@ import numpy as np
 from ..arrays import one_thread
 from ..checks import is_traced
 from ..errors import InputError
-from ..models import GapFlow
 from ..rough.half_space import area_of, solve, waves
 from ..rough.random_maps import MapGrid, grid_of
 from ..surface.lay import lay_of
 from ..surface.spectrum import rough_map
 from ..surface.topography import skewness_of
+from .channels import GapFlow
 from .leak_form import of_heights, of_skewness
 
 _LEAST = -200.0  # log of w over the largest flow: below it a medium is closed

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -41,17 +42,19 @@ from ..element.layer import Layer
 from ..errors import InputError
 from ..material.shift import thermal_factors
 from ..material.validity import material_in_words
-from ..models import HalfSpace, Model, Multiscale, as_model
+from ..models import Model, as_model, seeds_of
 from ..results.base import WIDE, Array, Result, quantity, record, setting
 from ..results.doubts import Doubt
 from ..results.words import brief, in_unit, span
+from ..rough.road_models import HalfSpace, Multiscale
 from ..surface.lay import lay_of
 from ..surface.spectrum import as_spectrum
 from ..surface.topography import skewness_of
-from . import gas
+from . import gap_maps, gas, leak_form
 from .along import AlongSeal, Fluid, PressedSeal, SealFlow, Uneven, even, uneven
+from .channels import Channels
 from .gas import check_absolute, check_gas
-from .leak_theories import CriticalConstriction, EffectiveMedium
+from .leak_theories import CriticalConstriction, EffectiveMedium, LeakTheory
 from .o_ring import ORing, check_rubber
 from .pressure_profile import pressure_profile
 
@@ -269,6 +272,38 @@ KINDS: dict[str, type[Model]] = {
     kind.label: kind
     for kind in (Multiscale, CriticalConstriction, EffectiveMedium, HalfSpace)
 }
+_FEW = 5  # pressures along a seal where each is a contact in three dimensions
+
+
+def _of_maps(model: HalfSpace) -> Channels:
+    flow = partial(gap_maps.leak, model.cells, model.periods, seeds_of(model.seeds))
+    return Channels(flow, gap_maps.SHUT, _FEW, turns=True)
+
+
+def _of_theory(model: LeakTheory) -> Channels:
+    return Channels(model.leak, model.closes_at())
+
+
+# of each kind of model, how it answers; a new one is added here
+_CHANNELS: dict[type[Model], Callable[[Any], Channels]] = {
+    Multiscale: lambda _: Channels(leak_form.leak, leak_form.FORM.closes),
+    HalfSpace: _of_maps,
+    CriticalConstriction: _of_theory,
+    EffectiveMedium: _of_theory,
+}
+
+
+def _channels(model: Model | str | None) -> Channels:
+    """The model of a leak. Raises `InputError` for one that has none."""
+    chosen = as_model(model, KINDS) or Multiscale()
+    if type(chosen) not in _CHANNELS:
+        raise InputError(
+            "model must be em.Multiscale(), em.CriticalConstriction(), "
+            f"em.EffectiveMedium() or em.HalfSpace() for a leak, got {chosen!r}."
+        )
+    return _CHANNELS[type(chosen)](chosen)
+
+
 _UNITS = {
     "pressure": "Pa",
     "pressure_drop": "Pa",
@@ -383,7 +418,7 @@ def leak(
         time = _of_ring("time", time, o_ring.time)
         temperature = _of_ring("temperature", temperature, o_ring.temperature)
     foundation = pressed_bodies(material, surface, time)
-    chosen = as_model(model, KINDS) or Multiscale()
+    chosen = _channels(model)
     seal = _seal(pressure, profile, o_ring, length)
     given = _checked(
         {
@@ -712,7 +747,7 @@ def _heights_in_words(pressed: PressedSeal) -> list[str]:
     """What a measured surface has that the model does not know."""
     surface, remarks = pressed.surface, []
     skewness = getattr(surface, "skewness", 0.0)
-    turned = pressed.model.leak_turns and pressed.direction is not None
+    turned = pressed.model.turns and pressed.direction is not None
     if lay_of(surface) is not None and not turned:
         remarks.append(
             "the surface has a lay, along which more flows and across which less, through "

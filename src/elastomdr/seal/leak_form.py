@@ -20,11 +20,11 @@ import numpy as np
 
 from ..arrays import namespace, stop_gradient, xp
 from ..checks import is_traced, known
-from ..models import GapFlow
 from ..numerics.implicit import as_doubles, numbers_with_slopes
 from ..rough.psd_integrals import PER_DECADE, cell_counts, nodes
 from ..surface.lay import lay_of
 from ..surface.topography import skewness_of
+from .channels import GapFlow
 from .persson_gap import GapPoints, contact_of, critical_gap, mean_gap
 
 _BATCH = 256  # pressures that are held in memory at once

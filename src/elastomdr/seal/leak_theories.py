@@ -20,9 +20,10 @@ import numpy as np
 
 from ..checks import is_traced
 from ..errors import InputError
-from ..models import GapFlow, Model
+from ..models import Model
 from ..rough.psd_integrals import PER_DECADE, nodes
 from ..units.arguments import constructor_in_si
+from .channels import GapFlow
 from .gap_maps import effective_medium
 from .persson_gap import (
     CLOSES,
@@ -44,6 +45,10 @@ class LeakTheory(Model, ABC):
     @abstractmethod
     def words(self) -> str:
         """The theory in a few words."""
+
+    @abstractmethod
+    def closes_at(self) -> float:
+        """The real contact area over nominal area from which on nothing flows."""
 
     @abstractmethod
     def flow(self, contacts: GapPoints) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -232,7 +232,7 @@ def set_up(call: SmoothCall, softens: bool = True) -> SmoothScene:
     small = not softens and foundation.softening is not None
     foundation = replaced(foundation, softening=None) if small else foundation
     no_pressure(shape, call.asked.pressure)
-    chosen = _of_line(call.model, call.quantity, shape)
+    chosen = of_smooth(call.model, call.quantity, shape.label)
     check_rtol(rtol)
     points = steady_scene(foundation, lines, call.asked)
     control: Control = "load" if points.name == "load" else "depth"
@@ -273,17 +273,6 @@ def set_up(call: SmoothCall, softens: bool = True) -> SmoothScene:
     return SmoothScene(
         foundation, law, lines, control, value, points, plan, tuple(inputs)
     )
-
-
-def _of_line(model: ModelLike | None, quantity: str, shape: AbstractShape) -> Any:
-    """The model, which must be one of lines. Raises `InputError`."""
-    chosen = of_smooth(model, quantity, shape.label)
-    if not chosen.on_line:
-        raise InputError(
-            "model must be em.Averaged() or em.Line() on the line of a "
-            f"{shape.label}, got {chosen!r}."
-        )
-    return chosen
 
 
 def _softened_too(

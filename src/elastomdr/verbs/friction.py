@@ -9,13 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..call.model_choice import (
-    hint_at_line,
-    is_rough,
-    of_rough,
-    of_smooth,
-    only_rough,
-)
+from ..call.model_choice import is_rough, only_rough
 from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import is_traced, numpy_unless_traced
@@ -30,6 +24,7 @@ from ..smooth.problem import SmoothCall
 from ..surface.shapes import AbstractShape
 from ..surface.spectrum import AbstractSpectrum
 from ..surface.topography import MeasuredSurface
+from .roads import cells_of_body, friction_by, hint_at_line, of_rough
 from .steady import in_64_bits_where, steady_contact
 
 if TYPE_CHECKING:
@@ -107,9 +102,11 @@ def _repeatable(
 def _on_smooth(call: SmoothCall, adhesion: AdhesiveShear | None) -> FrictionCurve:
     """Friction of a smooth body."""
     if isinstance(call.shape, AbstractShape):
-        chosen = of_smooth(call.model, "friction", call.shape.label)
-        if not chosen.on_line:
-            return chosen.smooth_friction(call, adhesion)
+        cells = cells_of_body(call.model, "friction", call.shape.label)
+        if cells is not None:
+            from ..reference.half_space import friction_on_cells
+
+            return friction_on_cells(call, adhesion, cells)
     contact = steady_contact(call)
     solution = contact.solution
     curve = FrictionCurve(
@@ -224,7 +221,6 @@ def friction(
     asked = Asked(velocity, load, depth, pressure, temperature, direction)
     if is_rough(shape):
         road_model = of_rough(model, shape, pressure)
-        road_model.check_adhesion(adhesion)
         hint_at_line(model, shape, asked)
         tell = reporter("friction on a rough surface", progress)
         rough = RoughCall(
@@ -238,8 +234,8 @@ def friction(
             tell,
             branch,
         )
-        curve = road_model.rough_friction(rough)
-        return _repeatable(curve, rough, road_model.rough_friction)
+        solve = friction_by(road_model, rough)
+        return _repeatable(solve(rough), rough, solve)
     only_rough(heat=heat, direction=direction, branch=branch)
     check_adhesion(adhesion, temperature)
     body: Any = shape  # anything else is refused there

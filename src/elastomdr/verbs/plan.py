@@ -4,13 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..call.model_choice import (
-    hint_at_line,
-    is_rough,
-    of_rough,
-    of_smooth,
-    only_rough,
-)
+from ..call.model_choice import is_rough, only_rough
 from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import numpy_unless_traced, one_of
@@ -21,6 +15,7 @@ from ..rough.problem import RoughCall
 from ..smooth.plan import Plan
 from ..smooth.problem import LayerPlan, SmoothCall
 from ..surface.shapes import AbstractShape
+from .roads import cells_of_body, hint_at_line, of_rough, plan_by
 from .steady import steady_plan
 
 if TYPE_CHECKING:
@@ -67,14 +62,14 @@ def plan(
             )
         hint_at_line(model, shape, asked)
         road_model = of_rough(model, shape, pressure)
-        road_model.check_adhesion(adhesion)
-        return road_model.rough_plan(
-            RoughCall(solid, shape, asked, rtol, heat, adhesion)
-        )
+        call = RoughCall(solid, shape, asked, rtol, heat, adhesion)
+        return plan_by(road_model, call)
     only_rough(heat=heat, direction=direction)
     if isinstance(shape, AbstractShape):
-        chosen = of_smooth(model, quantity, shape.label)
-        if not chosen.on_line:
-            return chosen.smooth_plan()
+        cells = cells_of_body(model, quantity, shape.label)
+        if cells is not None:
+            from ..reference.half_space import grid_words
+
+            return grid_words(cells)
     body: Any = shape  # anything else is refused there
     return steady_plan(SmoothCall(quantity, solid, body, asked, model, rtol))

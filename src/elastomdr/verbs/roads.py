@@ -1,0 +1,189 @@
+"""Which model a body or a surface is computed with, of all that there are, and where
+friction by it is computed.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import partial
+from typing import TYPE_CHECKING
+
+from ..call.model_choice import of_smooth
+from ..call.problem import Asked
+from ..errors import InputError, ModelWarning, warn
+from ..models import Averaged, Line, Model, as_model
+from ..rough.adhesion import no_area
+from ..rough.road_model import SurfaceModel
+from ..rough.road_models import HalfSpace, Multiscale, Persson
+from ..surface.rough_line import RoughLine
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .._types import ArrayLike
+    from ..call.types import Surface
+    from ..results.curve import FrictionCurve
+    from ..rough.periodic_plan import RoughPlan
+    from ..rough.problem import RoughCall
+    from ..rough.surface import SurfacePlan
+    from ..surface.spectrum import AbstractSpectrum
+
+KINDS: dict[str, type[Model]] = {
+    kind.label: kind
+    for kind in (
+        Averaged,
+        Line,
+        Multiscale,
+        Persson,
+        HalfSpace,
+    )
+}
+
+
+_CELLS = 64  # along each side of the grid of a smooth body, by default
+
+
+def cells_of_body(model: Model | str | None, quantity: str, label: str) -> int | None:
+    """Cells along each side of the grid of a smooth body by `em.HalfSpace`, which has
+    its friction alone; None on a line. Raises `InputError`.
+    """
+    model = as_model(model, KINDS)
+    if quantity != "friction" or not isinstance(model, SurfaceModel):
+        of_smooth(model, quantity, label)
+        return None
+    if not isinstance(model, HalfSpace):
+        raise InputError(
+            f"model must be em.Averaged(), em.Line() or em.HalfSpace() for a {label}, "
+            f"got {model!r}, which is for a surface under a pressure."
+        )
+    if model.seeds != 1 or model.periods is not None:
+        raise InputError(
+            f"model must be em.HalfSpace(cells=...) for a {label}, got {model!r}: "
+            "seeds and periods are for a surface."
+        )
+    if model.cells is not None and model.cells % 2:
+        raise InputError(
+            f"cells must be an even whole number for a {label}, got {model.cells}."
+        )
+    return model.cells or _CELLS
+
+
+def of_rough(
+    model: Model | str | None, surface: Surface, pressure: ArrayLike | None
+) -> Line | SurfaceModel:
+    """The model of a rough line, or of a surface, under a pressure or not. Raises
+    `InputError`.
+    """
+    model = as_model(model, KINDS)
+    if model is None:
+        return (
+            Line()
+            if pressure is None or isinstance(surface, RoughLine)
+            else Multiscale()
+        )
+    if isinstance(model, Line):
+        return model
+    if isinstance(model, Averaged):
+        raise InputError(
+            f"model must not be {model!r} on a rough line or surface: use "
+            "em.Line(average=True) for the line averaged "
+            "over directions, or em.Multiscale() for a surface under a pressure."
+        )
+    if isinstance(surface, RoughLine):
+        raise InputError(
+            f"model must be em.Line() for an em.RoughLine, got {model!r}, which is "
+            "for a surface."
+        )
+    if pressure is None:
+        raise InputError(
+            f"model must be em.Line() for a surface without a pressure, got {model!r}."
+        )
+    if not isinstance(model, SurfaceModel):
+        raise InputError(f"model must be one of friction, got {model!r}.")
+    return model
+
+
+def hint_at_line(model: Model | str | None, surface: Surface, asked: Asked) -> None:
+    """Warns where a load or depth makes the line the model of a surface that could be
+    computed under a pressure.
+    """
+    if model is not None or isinstance(surface, RoughLine):
+        return
+    if asked.pressure is not None or (asked.load is None and asked.depth is None):
+        return
+    name = "depth" if asked.load is None else "load"
+    unit = (
+        "a force per length of line [N/m]" if name == "load" else "the depth of a line"
+    )
+    warn(
+        f"{name} on a surface is {unit}, and is computed with em.Line(), whose "
+        "friction may be fifty times too low: give pressure= [Pa], the load over the "
+        "nominal area, for em.Multiscale(), or model=em.Line() where the line is meant "
+        '(in a scene model = "line").',
+        ModelWarning,
+    )
+
+
+def friction_by(
+    model: Line | SurfaceModel, call: RoughCall
+) -> Callable[[RoughCall], FrictionCurve]:
+    """What computes `em.friction` of a rough line or surface. Raises `InputError`."""
+    if isinstance(model, Line):
+        from ..rough.line import rough_friction
+
+        _refuse(model, call)
+        return partial(rough_friction, model=model)
+    from ..rough.surface import surface_friction
+
+    return partial(surface_friction, model=model)
+
+
+def plan_by(model: Line | SurfaceModel, call: RoughCall) -> RoughPlan | SurfacePlan:
+    """`em.plan` of a rough line or surface. Raises `InputError`."""
+    if isinstance(model, Line):
+        from ..rough.line import rough_plan
+
+        _refuse(model, call)
+        return rough_plan(call, model)
+    from ..rough.surface import surface_plan
+
+    return surface_plan(call, model)
+
+
+def _refuse(model: Line, call: RoughCall) -> None:
+    """Raises `InputError` for what a line does not have: an area, directions."""
+    no_area(
+        call.adhesion,
+        f"a {model.label} on a rough line or surface",
+        "use em.Multiscale() under a pressure",
+    )
+    if call.asked.direction is not None:
+        raise InputError(
+            "direction needs em.Multiscale(), em.Persson() or em.HalfSpace() and a "
+            f"surface under a pressure, got {model!r}."
+        )
+
+
+def for_changes(
+    model: Line | SurfaceModel, surface: AbstractSpectrum, finer: float
+) -> Line | SurfaceModel:
+    """The model for many surfaces close to this one, with the same samples on each;
+    `finer` is by how much their cutoffs grow.
+    """
+    if not isinstance(model, Line) or model.samples is not None:
+        return model
+    from ..surface.spectrum import PER_WAVE, line_count
+
+    samples = line_count(surface, model.periods, PER_WAVE * finer)
+    return dataclasses.replace(model, samples=samples)
+
+
+def doubt_of(model: Line | SurfaceModel, surface: AbstractSpectrum) -> str | None:
+    """What the model misses on a surface under a pressure, for a warning; None where
+    that is little.
+    """
+    if not isinstance(model, Line):
+        return None
+    from ..rough.line_problem import missed
+
+    return missed(surface, model)
