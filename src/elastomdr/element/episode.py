@@ -81,7 +81,7 @@ def pressed(law: Relaxation, modes: Modes, w: Float[Array, " n"]) -> EpisodeStat
     )
 
 
-def force(law: Relaxation, state: EpisodeState, v: Array) -> Float[Array, " n"]:
+def force(law: Relaxation, state: EpisodeState, v: Array | float) -> Float[Array, " n"]:
     """q of each element while the surface moves at rate v."""
     q = law.equilibrium * state.u + law.viscosity * v + xp.sum(state.f, axis=0)
     return xp.where(state.contact, q, 0.0)

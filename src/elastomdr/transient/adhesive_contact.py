@@ -139,7 +139,7 @@ class Sticky(NamedTuple):
 
 
 @jax.jit
-def elastic(sticky: Sticky, depth: Array, load: Array, by_depth: Any) -> Adhesive:
+def elastic(sticky: Sticky, depth: Array, load: Array, by_depth: Array) -> Adhesive:
     """JKR for an elastic foundation, m instants; the load rules where `by_depth` is
     False. Exact.
     """

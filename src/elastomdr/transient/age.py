@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..call.extrapolation import told
-from ..checks import is_traced, numpy_unless_traced, significant
+from ..checks import Array, is_traced, numpy_unless_traced, significant
 from ..material.validity import Range
 from ..results.doubts import Doubt
 from ..surface.disc import disc_under
@@ -30,8 +30,8 @@ def history_beyond(
     known: Range | None,
     time: Any,
     pressed: Any,
-    temperature: Any,
-    factor: Any,
+    temperature: Array | None,
+    factor: Array | float,
     *,
     slid: Any = None,
     at_once: bool = True,
@@ -59,8 +59,8 @@ def history_beyond(
 def sliding_beyond(
     history: GivenHistory,
     body: RoughLine | AbstractLines,
-    depth: Any,
-    course: Any,
+    depth: Array,
+    course: Array,
 ) -> tuple[Doubt, ...]:
     """Instants of a body that slides, `depth` [m] deep, under a `course` of depths [m]
     or loads [N, or N/m].
@@ -86,7 +86,7 @@ def sliding_beyond(
     return _instants(known, young, old, ages, history.temperature)
 
 
-def _half_length(body: RoughLine | AbstractLines, depth: Any) -> Any:
+def _half_length(body: RoughLine | AbstractLines, depth: Array) -> Any:
     """Of the contact [m]: of an indenter so deep, or a quarter of the wavelength of a
     wave as high and as steep.
     """
@@ -98,7 +98,7 @@ def _half_length(body: RoughLine | AbstractLines, depth: Any) -> Any:
     return np.where(radius > 0, radius, np.nan)
 
 
-def _ages(known: Range, factor: Any) -> tuple[float, float]:
+def _ages(known: Range, factor: Array | float) -> tuple[float, float]:
     """The youngest and the oldest age [s] that the data speak of at the temperature
     where times are `factor` longer.
     """
@@ -106,12 +106,12 @@ def _ages(known: Range, factor: Any) -> tuple[float, float]:
     return float(factor) / high, float(factor) / low if low > 0 else np.inf
 
 
-def _rows(values: Any) -> np.ndarray:
+def _rows(values: Array) -> np.ndarray:
     return np.reshape(values, (-1, np.shape(values)[-1]))
 
 
 def _pressed(
-    time: np.ndarray, course: Any, ages: tuple[float, float]
+    time: np.ndarray, course: Array, ages: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Where a depth or load is too young, and where too old, to be known."""
     course = np.maximum(np.nan_to_num(course), 0.0)
@@ -138,7 +138,7 @@ def _instants(
     young: np.ndarray,
     old: np.ndarray,
     ages: tuple[float, float],
-    temperature: Any,
+    temperature: Array | None,
 ) -> tuple[Doubt, ...]:
     none = np.zeros(young.shape)
     temperatures = (

@@ -26,6 +26,8 @@ import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from ..arrays import compiled, on_numpy, tree_map, xp
 from ..checks import Array, positive, scalar
 from ..element.contact_step import (
@@ -156,7 +158,7 @@ class MotionHistory(NamedTuple):
 def run(
     scene: MotionScene,
     steps: Steps,
-    instants: Any = None,
+    instants: np.ndarray | None = None,
     *,
     control: Control = "load",
     viscous: bool = True,
@@ -173,7 +175,7 @@ def run(
     """
 
     def piece(
-        state: BodyMotion, cut: Steps, is_seen: Any
+        state: BodyMotion, cut: Steps, is_seen: np.ndarray | None
     ) -> tuple[BodyMotion, MotionHistory]:
         return _piece(
             scene,
@@ -201,7 +203,7 @@ def _piece(
     scene: MotionScene,
     state: BodyMotion,
     steps: Steps,
-    instants: Any,
+    instants: np.ndarray | None,
     *,
     control: Control,
     viscous: bool,

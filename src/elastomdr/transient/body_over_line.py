@@ -137,7 +137,7 @@ class Rough(AbstractOverLine):
         return height - self.highest, -slope / self.spacing
 
 
-def rough(height: Float[Array, " n"], spacing: Any, highest: Any) -> Rough:
+def rough(height: Float[Array, " n"], spacing: Array | float, highest: Array) -> Rough:
     """One element under each point of a rough line; `highest` is what the depth counts
     from.
     """
@@ -151,7 +151,7 @@ def rough(height: Float[Array, " n"], spacing: Any, highest: Any) -> Rough:
 
 @compiled("count")
 def indenter(
-    lines: AbstractLines, first: Any, spacing: Any, count: int, width: Any
+    lines: AbstractLines, first: Array | float, spacing: Any, count: int, width: Any
 ) -> Indenter:
     """Elements at `first` + i `spacing`, i < `count`, under an indenter; on a layer
     also across, up to `width`.
@@ -187,7 +187,11 @@ def indenter(
 
 @compiled("control")
 def contact_sizes(
-    law: Relaxation, lines: AbstractLines, control: Control, value: Any, duration: float
+    law: Relaxation,
+    lines: AbstractLines,
+    control: Control,
+    value: Array,
+    duration: float,
 ) -> tuple[Any, Any]:
     """The smallest and the largest contact radius to expect [m], each within a factor
     of 2.

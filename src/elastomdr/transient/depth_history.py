@@ -334,7 +334,7 @@ def missed_layers(
     time: Array,
     depth: Array,
     radius: Float[Array, " m"],
-    panel_share: Any,
+    panel_share: Array,
 ) -> Float[Array, " m"]:
     """What the panels miss of layers at the edges: sum over W E_k v tau_k w_k r(q), [N]
     at every instant.
@@ -390,10 +390,10 @@ def _of_power(s: float) -> float:
 
 
 def over_histories(
-    function: Any,
-    law: Any,
-    modes: Any,
-    disc: Any,
+    function: Callable[..., Any],
+    law: Relaxation,
+    modes: Modes,
+    disc: Disc,
     *histories: Any,
     levels: int | None = None,
 ) -> Any:
@@ -429,11 +429,11 @@ def batch(count: int) -> int:
 
 @compiled("function", "levels", "size")
 def _mapped(
-    law: Any,
-    modes: Any,
-    disc: Any,
+    law: Relaxation,
+    modes: Modes,
+    disc: Disc,
     *histories: Any,
-    function: Any,
+    function: Callable[..., Any],
     levels: int | None,
     size: int,
 ) -> Any:

@@ -12,6 +12,7 @@ import numpy as np
 from ..arrays import arrays, xp
 from ..call.several_materials import over_materials
 from ..checks import (
+    Array,
     is_traced,
     nan_unless,
     not_negative,
@@ -27,7 +28,7 @@ from ..surface.lines import AbstractLines, SingleLine
 from ..surface.rough_line import RoughLine, spline_coefficients
 from ..surface.shapes import AbstractShape
 from .age import sliding_beyond
-from .body_motion import Mount
+from .body_motion import MotionHistory, Mount
 from .body_over_line import (
     AbstractOverLine,
     Indenter,
@@ -157,7 +158,7 @@ def drive(
     return _pack(history, solution, mounts["tangential"], body, plan, inputs, beyond)
 
 
-def _mount(name: str, mount: Any) -> Mount | None:
+def _mount(name: str, mount: Mount | None) -> Mount | None:
     if mount is None:
         return None
     if not isinstance(mount, Mount):
@@ -210,7 +211,7 @@ def _solve(
             spacing = spacing / math.ceil(float(spacing) / float(wanted))
     slope = body.depth(widest) / widest
 
-    def within(reach: Any) -> tuple[Levels, SlidePlan, bool]:
+    def within(reach: Array) -> tuple[Levels, SlidePlan, bool]:
         place = xp.asarray(history.position)
         low, high = xp.min(place) - reach, xp.max(place) + reach
         if traced:
@@ -237,9 +238,9 @@ def _on_grid(
     body: RoughLine | AbstractLines,
     history: GivenHistory,
     mounts: list[Any],
-    track: Any,
+    track: RoughLine | None,
     grid: _Grid,
-    slope: Any,
+    slope: Array,
     traced: bool,
 ) -> tuple[Levels, SlidePlan, bool]:
     """Marches elements from where the drive comes; whether the outermost of them were
@@ -265,7 +266,7 @@ def _on_grid(
     return solve_levels(history, cut, slope, missing=_missing)
 
 
-def _samples(history: GivenHistory, spacing: Any, mounts: list[Any]) -> int:
+def _samples(history: GivenHistory, spacing: Array | float, mounts: list[Any]) -> int:
     """Contact steps between two instants: none moves further than an element, and a
     mass on its spring is followed.
     """
@@ -315,7 +316,7 @@ def _surface(
     return Indenter(weight, spacing, body.shape, x, None, height)
 
 
-def _heights(track: RoughLine, x: Any) -> Any:
+def _heights(track: RoughLine, x: Array) -> Any:
     """Heights of the track at the places x, counted from its highest point."""
     coefficients = xp.asarray(spline_coefficients(track.height))
     whole = xp.floor(x / track.spacing)
@@ -333,7 +334,7 @@ def _heights(track: RoughLine, x: Any) -> Any:
     return total - track.highest
 
 
-def _missing(seen: Any) -> tuple[Any, Any]:
+def _missing(seen: MotionHistory) -> tuple[Any, Any]:
     """What the energy balance does not find at each instant, and the largest work that
     was done [J].
     """
@@ -354,7 +355,7 @@ def _pack(
 ) -> Drive:
     warn_unless(solution.good, "instants", f" to rtol={history.rtol:g}")
 
-    def shown(field: Any) -> Any:
+    def shown(field: Array) -> Any:
         return nan_unless(solution.shown, field)
 
     seen = solution.seen

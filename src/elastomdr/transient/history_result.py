@@ -180,7 +180,7 @@ def force_spectrum(
         near = np.arange(1, amplitude.size + 1) / stride
         error = np.interp(near, np.arange(1, half // 2 + 1), abs(second - first))
 
-    def in_any(points: Any) -> Any:
+    def in_any(points: Array) -> Array:
         return np.full(amplitude.shape, np.asarray(points)[later].any())
 
     kind = "of whole periods" if period is not None else "with a Hann window"

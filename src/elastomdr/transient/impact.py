@@ -26,6 +26,7 @@ from ..material.validity import material_in_words
 from ..results.base import Array, Origin, Result, distinct, quantity, record
 from ..results.doubts import Doubt
 from ..results.words import brief, describe, span
+from ..surface.shapes import AbstractShape
 from .impact_motion import Impacts, Striker, impacts
 from .layer_disc import incompressible_enough, of_layer
 from .oblique_impact import Oblique, ObliqueHistory, Slips, check_oblique, solve_oblique
@@ -195,15 +196,19 @@ def impact(
 
 
 def _pack(
-    scene: _ImpactScene, shape: Any, slips: Slips | None, solution: Impacts, good: Any
+    scene: _ImpactScene,
+    shape: AbstractShape,
+    slips: Slips | None,
+    solution: Impacts,
+    good: Array,
 ) -> Impact:
     """The result, NaN where an impact is not `good`."""
     motion = solution.motion
 
-    def shaped(field: Any) -> Any:
+    def shaped(field: Array) -> Any:
         return nan_unless(good, field).reshape(scene.shape)
 
-    def series(field: Any) -> Any:
+    def series(field: Array) -> Any:
         return nan_unless(good, field).T.reshape((*scene.shape, -1))
 
     duration = shaped(nan_unless(solution.timed, motion.duration))
@@ -314,11 +319,11 @@ class _ImpactScene(NamedTuple):
 
 def _scene(
     material: Any,
-    shape: Any,
-    mass: Any,
-    velocity: Any,
-    temperature: Any,
-    rtol: Any,
+    shape: AbstractShape,
+    mass: ArrayLike,
+    velocity: ArrayLike,
+    temperature: ArrayLike | None,
+    rtol: float,
     extra: dict[str, Any],
 ) -> _ImpactScene:
     """Everything checked and broadcast; `extra` are arguments of an oblique impact that
@@ -339,7 +344,7 @@ def _scene(
     result = (len(foundations), *points) if many else points
     columns = _columns(foundations, temperature, points, many)
 
-    def full(array: Any) -> Any:
+    def full(array: Array) -> Any:
         return np.broadcast_to(array, result)
 
     names = ", ".join(dict.fromkeys(f.name or "given directly" for f in foundations))
@@ -369,7 +374,7 @@ def _scene(
 
 
 def _struck(
-    material: Any, shape: Any, many: bool, oblique: bool
+    material: Any, shape: AbstractShape, many: bool, oblique: bool
 ) -> tuple[Any, list[Foundation], bool, str]:
     """The body over its elements, the foundations, whether they are per area, and the
     model. Raises `InputError`.
@@ -398,7 +403,10 @@ def _struck(
 
 
 def _columns(
-    foundations: list[Foundation], temperature: Any, points: tuple[int, ...], many: bool
+    foundations: list[Foundation],
+    temperature: ArrayLike | None,
+    points: tuple[int, ...],
+    many: bool,
 ) -> tuple[Any, Any, Any]:
     """(rates, moduli, viscosity) of all laws, a column for each point, or one for all."""
     laws = [_law_at(foundation, temperature, points) for foundation in foundations]
@@ -466,7 +474,7 @@ def _beyond(scene: _ImpactScene, duration: np.ndarray) -> tuple[Doubt, ...]:
 
 
 def _law_at(
-    foundation: Foundation, temperature: Any, points: tuple[int, ...]
+    foundation: Foundation, temperature: ArrayLike | None, points: tuple[int, ...]
 ) -> Relaxation:
     """The law, with one column per point where a temperature gives each its own times
     and moduli.

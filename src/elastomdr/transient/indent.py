@@ -34,7 +34,7 @@ from ..material.validity import material_in_words
 from ..results.base import Array, quantity, record
 from ..results.words import brief, describe, in_words
 from ..surface.disc import Disc
-from ..surface.shapes import Cylinder, PowerLaw
+from ..surface.shapes import AbstractShape, Cylinder, PowerLaw
 from .age import history_beyond
 from .history_result import AbstractHistory
 from .indentation_route import DepthOrLoad, Indented, indent_under, indent_with_adhesion
@@ -135,7 +135,7 @@ class Indentation(AbstractHistory):
         """
         return self._surface(r, time, "displacement")
 
-    def _surface(self, r: Any, time: Any, field_name: str) -> np.ndarray:
+    def _surface(self, r: Any, time: ArrayLike, field_name: str) -> np.ndarray:
         if is_traced(self, r, time):
             raise InputError(
                 f"{field_name} is for numbers: call it outside jit, grad and vmap."
@@ -244,7 +244,7 @@ def indent(
 
     bound = ADHESION if adhesion is not None else bound_on(foundation, Bound())
 
-    def known(field: Any) -> Any:
+    def known(field: Array) -> Any:
         return nan_unless(shown, field)
 
     return Indentation(
@@ -287,7 +287,7 @@ def _accepted(solution: Indented, has_heat: bool, rtol: float) -> Any:
 
 
 def _solved(
-    law: Relaxation, disc: Disc, course: DepthOrLoad, gamma: Any, rtol: float
+    law: Relaxation, disc: Disc, course: DepthOrLoad, gamma: Array | None, rtol: float
 ) -> Indented:
     modes = recovery_modes(law)
     if gamma is not None:
@@ -298,10 +298,10 @@ def _solved(
 
 def _inputs(
     foundation: Foundation,
-    shape: Any,
+    shape: AbstractShape,
     course: DepthOrLoad,
-    gamma: Any,
-    temperature: Any,
+    gamma: Array | None,
+    temperature: Array | None,
     rtol: float,
 ) -> list[tuple[str, str]]:
     """What was given, in words."""
@@ -324,7 +324,7 @@ def _inputs(
     ]
 
 
-def _check_depth(disc: Disc, course: DepthOrLoad, adhesion: Any) -> None:
+def _check_depth(disc: Disc, course: DepthOrLoad, adhesion: Number | None) -> None:
     """Raises `InputError` for depths beyond what body or layer have, and for adhesion on
     a layer.
     """
@@ -356,7 +356,7 @@ def _deepest(disc: Disc) -> float:
     return float(disc.profile(disc.largest)) if np.isfinite(disc.largest) else np.inf
 
 
-def _model(law: Relaxation, disc: Disc, adhesion: Any) -> str:
+def _model(law: Relaxation, disc: Disc, adhesion: Number | None) -> str:
     if isinstance(disc, LayerDisc):
         return FINITE
     base = HALF_SPACE if disc.kind == "half-space" else LAYER
@@ -382,7 +382,7 @@ def _within(solution: Indented, disc: LayerDisc) -> Indented:
     return solution._replace(converged=solution.converged & ~deep, reason=reason)
 
 
-def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
+def contact(material: Materials, shape: AbstractShape) -> tuple[Disc, Foundation]:
     """The elements of a contact, and what they are made of. Raises `InputError` for a
     pair that does not fit.
     """
@@ -402,7 +402,9 @@ def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
     return Disc(shape, "layer" if foundation.per_area else "half-space"), foundation
 
 
-def _work_of_adhesion(law: Relaxation, shape: Any, adhesion: Any) -> Any:
+def _work_of_adhesion(
+    law: Relaxation, shape: AbstractShape, adhesion: Number | None
+) -> Any:
     gamma = scalar("adhesion", adhesion)
     positive("adhesion", gamma)
     if not is_traced(law):
@@ -451,7 +453,7 @@ def _course(
     return course
 
 
-def _ascending(time: Any) -> Any:
+def _ascending(time: ArrayLike) -> Any:
     """Instants along the last axis. Raises `InputError`."""
     time = as_float64("time", time)
     finite("time", time)
@@ -468,7 +470,7 @@ def _ascending(time: Any) -> Any:
     return time
 
 
-def _check_course(name: str, given: Any, signed: bool, both: bool) -> None:
+def _check_course(name: str, given: Array, signed: bool, both: bool) -> None:
     """Raises `InputError`. Of a course of `both`, NaN stands where the other rules."""
     if both and not is_traced(given):
         given = given[~np.isnan(given)]

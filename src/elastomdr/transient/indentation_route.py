@@ -4,7 +4,7 @@ steps.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,9 @@ from .depth_history import (
 )
 from .load_steps import Ruled, march_load
 from .problem import places
+
+if TYPE_CHECKING:
+    from .adhesive_contact import Sticky
 
 _LEVELS = (1, 3, 6, LAYERS)  # of the panels, coarse to fine
 _TRACED_LEVELS = 12  # of the panels in time, where the times cannot be looked at
@@ -141,7 +144,7 @@ def indent_with_adhesion(
     )
 
 
-def _breaks(sticky: Any) -> str:
+def _breaks(sticky: Sticky) -> str:
     """Where an adhesive contact breaks, in words."""
     import jax
 

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -66,7 +67,9 @@ class Resolvents(NamedTuple):
     edge: Float[Array, " k"]  # q_1(a; a)
 
 
-def kernel_line(squeeze: Any, bonded: bool, reach: float) -> tuple[np.ndarray, Array]:
+def kernel_line(
+    squeeze: Array | float, bonded: bool, reach: float
+) -> tuple[np.ndarray, Array]:
     """Nodes in z = kh and weights, which hold -(2/pi)(1 - W), of integrals over z up to
     x/h = `reach`.
     """
@@ -75,7 +78,9 @@ def kernel_line(squeeze: Any, bonded: bool, reach: float) -> tuple[np.ndarray, A
     return z, -2 / math.pi * dz * numpy_unless_traced(layer_deficit)(z, squeeze, bonded)
 
 
-def _resolvents(squeeze: Any, bonded: bool, low: float, high: float) -> Resolvents:
+def _resolvents(
+    squeeze: Array | float, bonded: bool, low: float, high: float
+) -> Resolvents:
     numpy: Any = xp if is_traced(squeeze) else np
     alpha = 0.5 * (low + high) + 0.5 * (high - low) * _places()
     count = 18 + math.ceil(2.5 * high)
@@ -205,7 +210,11 @@ class LayerDisc(Disc):
         )
 
     def _inverse(
-        self, value: Array, levels: Array, power: float, value_and_slope: Any
+        self,
+        value: Array,
+        levels: Array,
+        power: float,
+        value_and_slope: Callable[[Array], tuple[Array, Array]],
     ) -> Array:
         touches = value > 0
         value = xp.where(touches, value, levels[0])
@@ -269,7 +278,7 @@ class LayerDisc(Disc):
 
 @numpy_unless_traced
 def layer_disc(
-    shape: AbstractShape, thickness: Any, squeeze: Any, bonded: bool
+    shape: AbstractShape, thickness: Array | float, squeeze: Array | float, bonded: bool
 ) -> LayerDisc:
     """The contact of a body on a layer whose kernel W is that of a constant 1 - 2 nu =
     `squeeze`.
@@ -317,8 +326,8 @@ def layer_disc(
 def _tables(
     numpy: Any,
     shape: AbstractShape,
-    thickness: Any,
-    squeeze: Any,
+    thickness: Array | float,
+    squeeze: Array | float,
     bonded: bool,
     line: Resolvents,
 ) -> list:
@@ -350,7 +359,11 @@ def tip_power(shape: AbstractShape) -> float:
 
 
 def _over_pieces(
-    shape: Profile, h: Any, resolvents: Resolvents, squeeze: Any, bonded: bool
+    shape: Profile,
+    h: Array | float,
+    resolvents: Resolvents,
+    squeeze: Array | float,
+    bonded: bool,
 ) -> tuple[Array, Array]:
     numpy: Any = xp if is_traced(shape, h, squeeze) else np
     z, weight = kernel_line(squeeze, bonded, float(resolvents.alpha[-1]))

@@ -44,7 +44,7 @@ def march(
     look: Callable[[Any, Any], Any],
     start: Any,
     steps: Any,
-    instants: Any,
+    instants: Array | None,
     prepare: Callable[[Any], Any],
 ) -> tuple[Any, Any]:
     """The state after all steps, and what is seen at the end of those at `instants`.
@@ -61,7 +61,12 @@ def march(
 
 
 def _on_numpy(
-    step: Any, look: Any, state: Any, steps: Any, instants: Any, prepare: Any
+    step: Callable[[Any, Any], tuple[Any, Any]],
+    look: Callable[[Any, Any], Any],
+    state: Any,
+    steps: Any,
+    instants: Array | None,
+    prepare: Callable[[Any], Any],
 ) -> tuple[Any, Any]:
     count = steps.h.shape[0]
     is_seen = np.full(count, instants is None)
@@ -80,7 +85,7 @@ def in_pieces(
     piece: Callable[[Any, Any, Any], tuple[Any, Any]],
     state: Any,
     steps: Any,
-    instants: Any,
+    instants: Array | None,
     size: int,
     doing: str,
 ) -> tuple[Any, Any]:
@@ -117,7 +122,12 @@ def in_pieces(
 
 
 def _on_jax(
-    step: Any, look: Any, state: Any, steps: Any, instants: Any, prepare: Any
+    step: Callable[[Any, Any], tuple[Any, Any]],
+    look: Callable[[Any, Any], Any],
+    state: Any,
+    steps: Any,
+    instants: Array | None,
+    prepare: Callable[[Any], Any],
 ) -> tuple[Any, Any]:
     import jax
 
@@ -137,8 +147,8 @@ def _on_jax(
         return state, if_so(now[1], look, state, details)
 
     @jax.checkpoint
-    def block(state: Any, steps_and_seen: Any) -> tuple[Any, Any]:
-        def made(state: Any, steps: Any, is_seen: Any) -> tuple[Any, Any]:
+    def block(state: Any, steps_and_seen: tuple[Any, Array]) -> tuple[Any, Any]:
+        def made(state: Any, steps: Any, is_seen: Array) -> tuple[Any, Any]:
             # what the last block is filled up with goes on with its steps
             steps = steps._replace(h=xp.where(steps.h > 0, steps.h, steps.h[0]))
             return jax.lax.scan(one, state, (prepare(steps), is_seen))
@@ -225,7 +235,7 @@ def settle(
 def _settle(
     touch_depth: Array,
     slope: Array,
-    spring: Any,
+    spring: Array | float,
     force: Array,
     guess: Array,
     between: bool,
@@ -264,7 +274,9 @@ def _traced_settle() -> Any:
     def derivative(between: bool, given: tuple, tangents: tuple) -> tuple[Array, Array]:
         depth = settle(*given, between)
 
-        def moved(touch_depth: Array, slope: Array, spring: Any, force: Array) -> Array:
+        def moved(
+            touch_depth: Array, slope: Array, spring: Array | float, force: Array
+        ) -> Array:
             if between:
                 return _corrected(
                     touch_depth, xp.min(touch_depth), slope, spring, force, depth
@@ -282,7 +294,7 @@ def _corrected(
     touch_depth: Array,
     lowest: Array,
     slope: Array,
-    spring: Any,
+    spring: Array | float,
     force: Array,
     depth: Array,
 ) -> tuple[Array, Array]:
@@ -299,7 +311,7 @@ def _newton(
     touch_depth: Array,
     lowest: Array,
     slope: Array,
-    spring: Any,
+    spring: Array | float,
     force: Array,
     active: Array,
 ) -> tuple[Array, Array]:

@@ -16,6 +16,7 @@ Fawcett (1976), in MDR Lyashenko & Popov (2015).
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -38,6 +39,9 @@ from .shear_motion import ShearScene, line, step, untouched
 
 if TYPE_CHECKING:
     from jaxtyping import Float
+
+    from .._types import ArrayLike
+    from .impact_motion import Impacts
 
 _ELEMENTS, _STEPS = 500, 16  # over the radius, and between two instants
 _MET = 1e-13  # relative change of a step's displacement at which its search ends
@@ -95,7 +99,11 @@ class Slips(NamedTuple):
 
 
 def check_oblique(
-    material: Any, velocity: Any, friction: Any, inertia: Any, tangential: Any
+    material: Any,
+    velocity: ArrayLike | None,
+    friction: ArrayLike | None,
+    inertia: Any,
+    tangential: Foundation | None,
 ) -> Slips | None:
     """The oblique part's arguments, or None without one. Raises `InputError` for what
     has no meaning.
@@ -163,7 +171,7 @@ def solve_oblique(
     scene: Any,
     shape: AbstractShape,
     history: ObliqueHistory,
-    normal_impact: Any,
+    normal_impact: Impacts,
 ) -> Oblique:
     """The tangential motion of every point of an impact that is solved already; NaN
     where that failed.
@@ -195,7 +203,7 @@ def solve_oblique(
         after
     )
 
-    def shaped(field: Any) -> Any:
+    def shaped(field: Array) -> Any:
         field = nan_unless(good.reshape(-1, *[1] * (field.ndim - 1)), field)
         return field.reshape((*scene.shape, *field.shape[1:]))
 
@@ -212,7 +220,7 @@ def solve_oblique(
     )
 
 
-def _tangential_mass(shape: AbstractShape, mass: Array, inertia: Any) -> Array:
+def _tangential_mass(shape: AbstractShape, mass: Array, inertia: Array | None) -> Array:
     """m_t: 1/m_t = 1/m + R^2/I, by default of a homogeneous ball or cylinder."""
     lever = shape.rolling_radius
     if lever is None:
@@ -335,7 +343,9 @@ def _steps(course: NormalImpact, mass: Array, steps: int) -> ObliqueSteps:
     return ObliqueSteps(xp.repeat(span[:, 0] / steps, steps), ends.reshape(-1))
 
 
-def _displacement(free: Array, before: Array, compliance: Array, force: Any) -> Array:
+def _displacement(
+    free: Array, before: Array, compliance: Array, force: Callable[[Array], Array]
+) -> Array:
     """x with x = free - compliance (F_before + F(x)); F rises in straight pieces."""
     scale = xp.abs(free) + compliance * xp.abs(before) + 1e-300
 

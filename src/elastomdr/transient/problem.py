@@ -47,6 +47,8 @@ from ..surface.shapes import AbstractShape, Cylinder
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
+    from .._types import ArrayLike
+
 _TRACED = 1024  # elements and steps of the coarser level under a transformation
 
 _FEWEST = 4  # steps between two instants
@@ -146,7 +148,7 @@ class SlidingBody(NamedTuple):
         return doubt_depth(self.foundation, self.over.shape, depth)
 
 
-def sliding_body(material: Any, shape: Any) -> SlidingBody:
+def sliding_body(material: object, shape: Any) -> SlidingBody:
     """Raises `InputError` for a pair that does not go together."""
     foundation = as_foundation(material)
     rubber = material_in_words(foundation)
@@ -207,13 +209,13 @@ class GivenHistory(NamedTuple):
 
 def given_history(
     body: SlidingBody,
-    time: Any,
-    position: Any,
-    load: Any,
-    depth: Any,
-    temperature: Any,
-    rtol: Any,
-    elements: Any,
+    time: ArrayLike,
+    position: ArrayLike,
+    load: ArrayLike | None,
+    depth: ArrayLike | None,
+    temperature: ArrayLike | None,
+    rtol: float,
+    elements: int | None,
 ) -> GivenHistory:
     """The history that `em.slide` and `em.drive` were asked for. Raises `InputError`
     for one that they cannot take.
@@ -346,7 +348,7 @@ def describe_line(line: RoughLine) -> str:
     )
 
 
-def check_shape(shape: Any) -> None:
+def check_shape(shape: object) -> None:
     """Raises `InputError` for what is no indenter."""
     if not isinstance(shape, AbstractShape):
         raise InputError(
@@ -355,7 +357,7 @@ def check_shape(shape: Any) -> None:
         )
 
 
-def standing(foundations: list[Foundation], shape: Any) -> bool:
+def standing(foundations: list[Foundation], shape: object) -> bool:
     """Whether the scene is one on a layer. Raises `InputError` for what is no shape, and
     where half-space and shape do not go together.
     """
@@ -376,7 +378,7 @@ def standing(foundations: list[Foundation], shape: Any) -> bool:
     return per_area
 
 
-def both_laws(material: Any, tangential: Any) -> tuple[Foundation, Foundation]:
+def both_laws(material: object, tangential: Any) -> tuple[Foundation, Foundation]:
     """E* of a material or `Foundation`, and G* of it or of what is given. Raises
     `InputError`.
     """
@@ -494,7 +496,7 @@ def cut(
     line: Timeline,
     time: np.ndarray,
     position: Any,
-    value: Any,
+    value: Array,
     shortest: float,
     finer: int,
 ) -> tuple[Steps, np.ndarray]:
@@ -515,7 +517,7 @@ def cut(
     h = np.repeat(line.share / finer, finer) * length[interval]
     numpy = xp if is_traced(position, value) else np
 
-    def along(values: Any) -> Any:
+    def along(values: Array) -> Any:
         left = values[:-1][interval]
         ends = left + share * (values[1:][interval] - left)
         return numpy.concatenate([values[:1], ends])
@@ -527,8 +529,8 @@ def cut(
 def even_steps(
     time: np.ndarray,
     position: Any,
-    value: Any,
-    shortest: Any,
+    value: Array,
+    shortest: float,
     early: int,
     samples: int,
 ) -> tuple[Steps, np.ndarray]:

@@ -124,10 +124,10 @@ class Cut(NamedTuple):
 def solve_levels(
     history: GivenHistory,
     cut: Cut,
-    slope: Any = None,
+    slope: Array | float | None = None,
     *,
     missing: Callable[[Any], tuple[Array, Array]] | None = None,
-    deepest: Any = np.inf,
+    deepest: Array | float = np.inf,
 ) -> tuple[Levels, SlidePlan, bool]:
     """A motion to its tolerance, and whether the outermost elements were touched: then
     the body reaches further than was thought.
@@ -144,7 +144,9 @@ def solve_levels(
     shared = shared_level(work, most, cut.room, cut.growth)
     size, outside = (0, 0), False
 
-    def marched(scene: MotionScene, steps: Steps, instants: Any, doing: str) -> Any:
+    def marched(
+        scene: MotionScene, steps: Steps, instants: np.ndarray | None, doing: str
+    ) -> Any:
         return run(
             scene,
             steps,
@@ -218,7 +220,9 @@ def _refuse_what_takes_too_long(history: GivenHistory, cut: Cut) -> None:
 
 
 def widened(
-    within: Callable[[Any], tuple[Levels, SlidePlan, bool]], reach: Any, widest: Any
+    within: Callable[[Any], tuple[Levels, SlidePlan, bool]],
+    reach: Array | float,
+    widest: Array | float,
 ) -> tuple[Levels, SlidePlan]:
     """What is found `within` a reach [m] of the path, twice as far as long as elements
     outside of it are touched; `widest` is the largest contact expected.

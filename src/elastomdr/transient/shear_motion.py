@@ -26,6 +26,7 @@ elastic contact.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -139,7 +140,7 @@ def shear_history(
     start, first = _begin(scene, grid, *put, by_load=by_load)
 
     def piece(
-        state: ShearState, now: ShearSteps, is_seen: Any
+        state: ShearState, now: ShearSteps, is_seen: Array | None
     ) -> tuple[ShearState, Sheared]:
         return _piece(scene, grid, state, now, is_seen, by_load=by_load)
 
@@ -170,7 +171,7 @@ def _piece(
     grid: HalfLine,
     state: ShearState,
     steps: ShearSteps,
-    instants: Any,
+    instants: Array | None,
     *,
     by_load: bool,
 ) -> tuple[ShearState, Sheared]:
@@ -309,7 +310,7 @@ def step(
     ct: Coefficients,
     state: ShearState,
     value: Array,
-    ds: Any,
+    ds: Array | Callable[[Callable[[Array], Array]], Array],
     by_load: bool,
 ) -> tuple[ShearState, tuple]:
     """One contact step: the state after it, (F_x, F_N, contact radius, stick radius,
@@ -396,7 +397,7 @@ def _moved(
     state: ShearState,
     q: Array,
     share: Array,
-    ds: Any,
+    ds: Array | Callable[[Callable[[Array], Array]], Array],
 ) -> tuple[TangentialStep, Array]:
     """Stick or slip of each element, and the displacement of the body."""
     limit = _largest(scene, q)

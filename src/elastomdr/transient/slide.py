@@ -9,7 +9,14 @@ import numpy as np
 
 from ..arrays import arrays, xp
 from ..call.several_materials import over_materials
-from ..checks import is_traced, known, nan_unless, numpy_unless_traced, warn_unless
+from ..checks import (
+    Array,
+    is_traced,
+    known,
+    nan_unless,
+    numpy_unless_traced,
+    warn_unless,
+)
 from ..errors import InputError
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.rough_line import RoughLine
@@ -97,7 +104,7 @@ def slide(
     bound = body.bound
     warn_unless(solution.good, "points", f" to rtol={history.rtol:g}")
 
-    def shown(field: Any) -> Any:
+    def shown(field: Array) -> Any:
         return nan_unless(solution.shown, field)
 
     return Slide(
@@ -188,7 +195,7 @@ def _indenter(lines: AbstractLines, history: GivenHistory) -> tuple[Levels, Slid
     law, duration = arrays(history.law), float(np.ptp(history.time))
     sizes = known(contact_sizes(law, lines, history.control, history.value, duration))
 
-    def within(reach: Any) -> tuple[Levels, SlidePlan, bool]:
+    def within(reach: Array | float) -> tuple[Levels, SlidePlan, bool]:
         return _within(lines, history, sizes, reach)
 
     return widened(within, 1.6 * sizes[1], sizes[1])
@@ -212,7 +219,7 @@ def _within(
     lines: AbstractLines,
     history: GivenHistory,
     sizes: tuple[Any, Any],
-    reach: Any,
+    reach: Array | float,
 ) -> tuple[Levels, SlidePlan, bool]:
     """Marches the elements up to `reach` [m] from the body's path; whether the
     outermost of them were touched.

@@ -8,7 +8,7 @@ weights are smooth, and Gauss' rule does the rest, panel by panel.
 """
 
 import itertools
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -28,7 +28,7 @@ from .depth_history import (
 )
 from .depth_history import edges as edges_of
 from .indentation_route import DepthOrLoad, refined
-from .layer_disc import LayerDisc, line_of
+from .layer_disc import ElasticLine, LayerDisc, line_of
 
 _CUTS = np.append(cuts(2)[:, :-1], 1.0)[None]  # of the panels
 _POINTS, _WEIGHTS = gauss(12)
@@ -229,7 +229,11 @@ def _on_layer(
 
 
 def _gathered(
-    layer: Any, edges: np.ndarray, series: np.ndarray, falls: np.ndarray, s: np.ndarray
+    layer: ElasticLine,
+    edges: np.ndarray,
+    series: np.ndarray,
+    falls: np.ndarray,
+    s: np.ndarray,
 ) -> np.ndarray:
     """-int_s^a q_1(s; b) dv(b) at all places s, for each v(b) of the `series` on panels
     that falls to zero at its end by its entry of `falls`.
