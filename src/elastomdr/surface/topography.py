@@ -619,7 +619,7 @@ def skewness_bound(skewness: float, error: float) -> float:
     return float(np.hypot(skewness, _ERRORS * error))
 
 
-def skewness_of(surface: Any) -> float:
+def skewness_of(surface: object) -> float:
     """`skewness_bound` of a surface; zero of one that does not know its heights."""
     names = ("skewness", "skewness_error")
     return skewness_bound(*(getattr(surface, name, 0.0) for name in names))
