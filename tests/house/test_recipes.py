@@ -104,6 +104,99 @@ def test_a_road_model(copy, tmp_path):
     assert ran.stdout.split() == ["toy"], ran.stderr
 
 
+def test_an_indenter(copy, tmp_path):
+    shape, rule, table = Recipe("An indenter").steps
+    (tmp_path / "scene.toml").write_text(
+        'material = "rubber.toml"\n'
+        '[indenter]\nshape = "near_sphere"\nradius = "5 mm"\n'
+        '[contact]\nload = "1 N"\nvelocity = "1 m/s"\n',
+        encoding="utf-8",
+    )
+    use = """
+        import numpy as np
+        import elastomdr as em
+        from elastomdr.cli.main import main
+        from elastomdr.surface.shapes import NearSphere
+        near = NearSphere(5e-3)
+        r = np.linspace(0.0, 2e-3, 5)
+        # Abel's integral of f', r = x sin(t)
+        t = (np.arange(400) + 0.5) * np.pi / 800
+        rise = near._steepness(r[:, None] * np.sin(t))
+        abel = r * np.mean(rise, axis=1) * np.pi / 2
+        np.testing.assert_allclose(near.profile_1d(r), abel, rtol=1e-5)
+        rubber = em.Prony(equilibrium=1e6, moduli=[1e6], times=[1e-3])
+        given = {"velocity": 1.0, "load": 1.0}
+        curve = em.friction(rubber, near, **given)
+        points = em.Profile(r := np.linspace(0.0, 5e-3, 2001), near.height(r))
+        other = em.friction(rubber, points, **given)
+        np.testing.assert_allclose(curve.mu, other.mu, rtol=1e-4)
+        em.save_material(rubber, "rubber.toml")
+        assert main(["friction", "scene.toml"]) == 0
+        print("near-sphere" in repr(curve) or curve.mu > 0)
+    """
+    assert "NearSphere" in copy.run(use, tmp_path).stderr
+    copy.insert(shape[0], f"{shape[1]}\n\n", before="class Cone(PowerShape)")
+    copy.insert(rule[0], rule[1], before="power = shape", after="def _along")
+    imported = "from .shapes import AbstractShape"
+    copy.replace(rule[0], imported, imported + ", NearSphere")
+    copy.insert(table[0], f"{table[1]}\n\n", before="class ConeTable")
+    copy.replace(
+        table[0],
+        "    | ProfileTable\n)",
+        "    | ProfileTable\n    | NearSphereTable\n)",
+    )
+    public = '        "Paraboloid",'
+    copy.replace("__init__.py", public, f'{public}\n        "NearSphere",')
+    ran = copy.run(use, tmp_path)
+    assert ran.stdout.split()[-1:] == ["True"], ran.stderr
+
+
+def test_a_doubt(copy, tmp_path):
+    (file, imported), (place, mark) = Recipe("A doubt").steps
+    use = """
+        import elastomdr as em
+        shift = em.WLF(8.9, 101.6, 293.15)
+        rubber = em.Prony(equilibrium=1e6, moduli=[1e6], times=[1e-3], shift=shift)
+        given = {"velocity": [0.1, 1.0], "load": 1.0}
+        curve = em.friction(rubber, em.Sphere(5e-3), temperature=500.0, **given)
+        curve.to_csv("curve.csv")
+        print("degrades" in repr(curve.doubts), "degrades" in repr(curve.law().doubts),
+            "degrades" in open("curve.csv").read())
+    """
+    assert "True" not in copy.run(use, tmp_path).stdout
+    copy.insert(file, imported, before="from ..results.curve import")
+    copy.insert(place, mark, before="if adhesion is None:", after="def _on_smooth")
+    ran = copy.run(use, tmp_path)
+    assert ran.stdout.split() == ["True"] * 3, ran.stderr
+
+
+def test_a_key_of_a_scene(copy, tmp_path):
+    (file, said), (_, field), (_, used) = Recipe("A key of a scene").steps
+    use = """
+        import numpy as np
+        import elastomdr as em
+        from elastomdr.cli.keys import as_markdown
+        from elastomdr.cli.main import main
+        rubber = em.Prony(equilibrium=1e6, moduli=[1e6], times=[1e-3])
+        em.save_material(rubber, "rubber.toml")
+        for name, layer in (("a", "plies = 2\\nthickness = '2 mm'"), ("b", "thickness = '4 mm'")):
+            open(f"{name}.toml", "w").write(
+                "material = 'rubber.toml'\\n[layer]\\n" + layer +
+                "\\n[indenter]\\nshape = 'cylinder'\\nradius = '5 mm'\\nlength = '1 m'\\n"
+                "[contact]\\nload = '50 N'\\nvelocity = '1 m/s'\\n"
+            )
+            assert main(["rolling", f"{name}.toml"]) == 0
+        tables = [open(f"{n}-rolling.csv").read().splitlines()[-1] for n in "ab"]
+        print(tables[0] == tables[1], "bonded to each other" in as_markdown())
+    """
+    assert "plies" in copy.run(use, tmp_path).stderr
+    copy.insert(file, f"    {said}", before='"""', after="springs: independent")
+    copy.insert(file, field, before="thickness: Length", after="class LayerTable")
+    copy.insert(file, used, before="kind = em.springs", after="class LayerTable")
+    ran = copy.run(use, tmp_path)
+    assert ran.stdout.split()[-2:] == ["True", "True"], ran.stdout + ran.stderr
+
+
 def test_a_field_of_a_result(copy, tmp_path):
     (declared, field), (packed, value) = Recipe("A field of a result").steps
     use = """

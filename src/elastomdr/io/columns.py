@@ -3,11 +3,10 @@ what a user says instead.
 """
 
 import functools
-import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -195,7 +194,7 @@ class Understood(NamedTuple):
 
 
 def understand_table(
-    columns: Mapping[str, str | int] | None,
+    columns: Mapping[str, Any] | None,
     table: TitledTable,
     quantities: tuple[ColumnKind, ...],
 ) -> Understood:
@@ -215,7 +214,7 @@ def understand_table(
 
 
 def named_columns(
-    columns: Mapping[str, str | int] | None,
+    columns: Mapping[str, Any] | None,
     table: TitledTable,
     quantities: tuple[ColumnKind, ...],
 ) -> tuple[dict[str, Column], dict[str, float]]:
@@ -461,10 +460,10 @@ class ColumnsRead(NamedTuple):
 
 
 def read_columns(
-    path: str | os.PathLike[str],
+    path: Any,
     quantities: tuple[ColumnKind, ...],
     required: Sequence[str],
-    columns: Mapping[str, str | int] | None,
+    columns: Any,
     units: Mapping[str, str],
     log: str = "",
 ) -> ColumnsRead:
@@ -508,7 +507,7 @@ def read_columns(
     return ColumnsRead(table, chosen, values, bad)
 
 
-def checked_units(**given: str | None) -> dict[str, str]:
+def checked_units(**given: Any) -> dict[str, str]:
     """The units that a user gives, by kind. Raises `InputError` for what is none of its
     kind.
     """

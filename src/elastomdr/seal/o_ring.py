@@ -314,7 +314,7 @@ def o_ring(
     )
 
 
-def _checked_material(material: object) -> Prony:
+def _checked_material(material: Any) -> Prony:
     """The material. Raises `InputError` for anything but a Prony series."""
     needs_series("material", material, "a squeezed cord")
     if not isinstance(material, Prony):
@@ -327,11 +327,7 @@ def _checked_material(material: object) -> Prony:
 
 
 def _checked(
-    diameter: ArrayLike,
-    squeeze: ArrayLike,
-    time: ArrayLike | None,
-    temperature: ArrayLike | None,
-    largest: float,
+    diameter: Any, squeeze: Any, time: Any, temperature: Any, largest: float
 ) -> dict[str, Any]:
     """The arguments as arrays. Raises `InputError`."""
     arguments = {
@@ -356,9 +352,7 @@ def _checked(
 
 
 def _checked_groove(
-    given: dict[str, Any],
-    fluid_pressure: ArrayLike | None,
-    groove_width: ArrayLike | None,
+    given: dict[str, Any], fluid_pressure: Any, groove_width: Any
 ) -> dict[str, Any]:
     """Pressure of the fluid and width of the groove. Raises `InputError` for a groove
     that confines the cord, for which no formula holds.
@@ -384,10 +378,7 @@ def _checked_groove(
 
 
 def _with_fluid(
-    young_over_plane: Array,
-    pressure: Array,
-    given: dict[str, Any],
-    further: dict[str, Any],
+    young_over_plane: Any, pressure: Any, given: dict[str, Any], further: dict[str, Any]
 ) -> dict[str, Any]:
     """Sealing pressure and fill of the groove, where they are asked for; E/E* = 1 -
     nu^2.
@@ -404,9 +395,7 @@ def _with_fluid(
     return fields
 
 
-def _modulus(
-    law: Relaxation, material: Prony, time: Array | None, temperature: Array | None
-) -> Any:
+def _modulus(law: Relaxation, material: Prony, time: Any, temperature: Any) -> Any:
     """A modulus at a time and a temperature; relaxed without a time."""
     time_factor, vertical_factor = 1.0, 1.0
     if temperature is not None:
@@ -419,7 +408,7 @@ def _modulus(
     return law.relaxation(time / time_factor) * vertical_factor
 
 
-def check_rubber(material: object, ring: object) -> None:
+def check_rubber(material: Any, ring: Any) -> None:
     """Raises `InputError` unless the material has the modulus that load and width of the
     ring tell, E* = 8 W d/(pi (2a)^2).
     """
@@ -446,7 +435,7 @@ def check_rubber(material: object, ring: object) -> None:
 
 
 def _load_and_width(
-    diameter: Array, squeeze: Array, young: Array, plane: Array, formula: str
+    diameter: Any, squeeze: Any, young: Any, plane: Any, formula: str
 ) -> tuple[Any, Any]:
     """W [N/m], and the width 2a = sqrt(8 W d/(pi E*)) [m]."""
     if formula == "lindley":
@@ -464,7 +453,7 @@ def _load_and_width(
     return load, width
 
 
-def _small_strain(squeeze: Array) -> Any:
+def _small_strain(squeeze: Any) -> Any:
     """W/(E* d) of two Hertzian contacts: both halves of the cord approach its middle by
     C d/2.
     """
@@ -477,10 +466,7 @@ def _small_strain(squeeze: Array) -> Any:
 
 
 def _extrapolated(
-    material: Prony,
-    time: Array | None,
-    temperature: Array | None,
-    shape: tuple[int, ...],
+    material: Prony, time: Any, temperature: Any, shape: tuple[int, ...]
 ) -> tuple[Doubt, ...]:
     """Which points lie outside the range of the material, with a warning."""
     time_factor = (

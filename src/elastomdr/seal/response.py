@@ -20,7 +20,7 @@ contact. Derived here; Johnson 1985, section 5.8, for W.
 from __future__ import annotations
 
 import functools
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -30,11 +30,8 @@ from ..checks import Array
 from ..element.law import as_foundation
 from ..element.layer import Layer, layer_kernel
 from ..errors import InputError
-from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
+from ..material.relaxation import KelvinChain, to_kelvin
 from ..numerics.quadrature import gauss_on_panels
-
-if TYPE_CHECKING:
-    from ..call.types import Material
 
 _FAR = 40.0  # y beyond which a layer is at rest, S = ln y
 _FARTHEST = 1e3  # half-lengths ahead of the contact from which memories are followed
@@ -51,7 +48,7 @@ class SealBody(NamedTuple):
     bonded: bool
 
 
-def bodies_of(material: Material) -> list[SealBody]:
+def bodies_of(material: Any) -> list[SealBody]:
     """The half-space, or the layers on both sides. Raises `InputError`."""
     if not isinstance(material, Layer):
         foundation = as_foundation(material)
@@ -78,7 +75,7 @@ def bodies_of(material: Material) -> list[SealBody]:
     ]
 
 
-def _chain(law: Relaxation) -> KelvinChain:
+def _chain(law: Any) -> KelvinChain:
     if float(law.equilibrium) == 0:
         raise InputError(
             "material must have an equilibrium modulus under a film, got a liquid, "
