@@ -676,7 +676,7 @@ async def an_isotherm_is_shifted(rubber):
     assert f"{fitted.log10_a[isotherm]:.3f}" in before
     editor._moved(float(fitted.log10_a[isotherm]) + 0.5)
     await until(lambda: editor._said.text != before)
-    points = rubber._pictures["master"]._drawn.charts[0].options["series"]
+    points = rubber._pictures["master"]._drawn.charts[0].data
     assert f"{fitted.log10_a[isotherm] + 0.5:.3f}" in editor._said.text
     off = [
         float(re.search(r"([\d.]+) % off", said)[1])
@@ -819,23 +819,20 @@ def test_a_done_scene_is_what_was_asked(tmp_path):
     figure, result = done.figure(), done.result
     (chart,) = figure.charts
     assert chart.title == "Friction, epdm-70"
-    assert chart.options["xAxis"]["type"] == "log"
-    assert chart.options["tooltip"]["trigger"] == "axis"
-    lines = [
-        each
-        for each in chart.options["series"]
-        if each["type"] == "line" and len(each["data"]) == SPAN["points"]
-    ]
+    assert chart.layout["xaxis"]["type"] == "log"
+    assert chart.layout["hovermode"] == "x unified"
+    traces = [each for each in chart.data if len(each["x"]) == SPAN["points"]]
     band = result.error + result.model_error
     for i, name in enumerate(("0 °C", "20 °C")):
-        (line, *beyond) = [each for each in lines if each["name"].startswith(name)]
-        points = np.array([line["data"], *(each["data"] for each in beyond)], float)
-        known = np.nanmax(points, axis=0)  # dotted beyond the material's range
+        of = [each for each in traces if each["name"].startswith(name)]
+        values = np.array([each["y"] for each in of], float)
         mu = result.mu[i]
-        assert known == pytest.approx(
-            np.array([result.velocity[i], mu, mu - band[i], mu + band[i]]).T, rel=1e-12
-        )
-        assert line["name"] in chart.options["legend"]["data"]
+        # dotted beyond the material's range
+        np.testing.assert_allclose(np.nanmax(values, axis=0), mu, rtol=1e-12)
+        np.testing.assert_array_equal(of[0]["x"], result.velocity[i])
+        ends = zip(mu - band[i], mu + band[i], strict=True)
+        assert of[0]["customdata"] == [f" ({a:.3g} to {b:.3g})" for a, b in ends]
+        assert of[0]["showlegend"]
     assert figure.saved("csv") == done.csv()
     assert figure.saved("svg").startswith(b"<?xml")
 
@@ -845,22 +842,28 @@ def test_charts_of_a_fit():
     be saved.
     """
     from elastomdr.app.chart import drawn
-    from elastomdr.fit.figures import draw_master, draw_shifts
+    from elastomdr.fit.figures import draw_shifts
     from elastomdr.results.chart import plain
 
     assert plain(r"Reduced time $t/a_T$ [s]") == "Reduced time t/a_T [s]"
     dma = em.read_dma(SAMPLE / "dma.csv")
     master = em.fit.master_curve(dma, 293.15)
-    figure = drawn(draw_master(master))
+    figure = drawn(master.plot())
     (chart,) = figure.charts
-    assert chart.options["xAxis"]["name"] == "Reduced angular frequency ω a_T [rad/s]"
-    isotherms = [each for each in chart.options["series"] if each["type"] == "scatter"]
+    assert (
+        chart.layout["xaxis"]["title"]["text"]
+        == "Reduced angular frequency ω a_T [rad/s]"
+    )
+    isotherms = [each for each in chart.data if each["mode"] == "markers"]
     assert {"0 °C", "20 °C, ref."} <= {each["name"] for each in isotherms}
     ten = [
-        point for each in isotherms if each["name"] == "10 °C" for point in each["data"]
+        point
+        for each in isotherms
+        if each["name"] == "10 °C"
+        for point in zip(each["x"], each["y"], strict=True)
     ]
     chosen = master.temperature[master.isotherm] == 283.15
-    assert sorted(map(tuple, ten)) == sorted(
+    assert sorted(ten) == sorted(
         [
             *zip(master.omega[chosen], master.storage[chosen], strict=True),
             *zip(master.omega[chosen], master.loss[chosen], strict=True),
@@ -868,5 +871,5 @@ def test_charts_of_a_fit():
     )
     assert b"curve,Reduced angular frequency" in figure.saved("csv")
     shifts, *_ = drawn(draw_shifts(master)).charts
-    assert shifts.options["yAxis"]["name"] == "Shift factor log₁₀ a_T [-]"
-    assert shifts.options["tooltip"]["trigger"] == "item"
+    assert shifts.labels[1] == "Shift factor log₁₀ a_T [-]"
+    assert shifts.layout["hovermode"] == "closest"

@@ -30,30 +30,27 @@ SCREENS = (
     "Seal",
     "Export",
 )
-PICTURE = ".picture:visible:has(canvas)"
+PICTURE = ".picture:visible:has(.main-svg)"
 ERROR = ".q-field--error .q-field__messages:visible"
 POINTED = """() => {
     const element = [...document.querySelectorAll('.chart')].find(e => e.offsetParent);
-    const chart = getElement(Number(element.id.slice(1))).chart;
-    const [x, y] = chart.getOption().series[0].data[1];
-    const [left, top] = chart.convertToPixel({ xAxisIndex: 0, yAxisIndex: 0 }, [x, y]);
-    chart.dispatchAction({ type: 'showTip', x: left, y: top });
-    return /Sliding velocity.*\\n.*\\n.*0 °C.* [(].* to .*[)]/.test(element.innerText);
+    const curve = element.data.findIndex(each => each.mode === 'lines');
+    getElement(Number(element.id.slice(1))).Plotly.Fx.hover(element, [{ curveNumber: curve, pointNumber: 1 }]);
+    return /0 °C.* [(].* to .*[)]/.test(element.querySelector('.hoverlayer').textContent);
 }"""
 # where the first point of an isotherm is in the window
 ISOTHERM = """name => {
     const element = [...document.querySelectorAll('.chart')].find(e => e.offsetParent);
-    const chart = getElement(Number(element.id.slice(1))).chart;
-    const [point] = chart.getOption().series.find(each => each.type === 'scatter' && each.name === name).data;
-    const [left, top] = chart.convertToPixel({ xAxisIndex: 0, yAxisIndex: 0 }, point);
+    const trace = element.data.find(each => each.mode === 'markers' && each.name === name);
+    const { xaxis, yaxis } = element._fullLayout;
     const { x, y } = element.getBoundingClientRect();
-    return [x + left, y + top];
+    return [x + xaxis._offset + xaxis.d2p(trace.x[0]), y + yaxis._offset + yaxis.d2p(trace.y[0])];
 }"""
 # nothing reaches beyond the window, and no message covers the field below
 WHOLE = """() => document.documentElement.scrollWidth <= document.documentElement.clientWidth
     && [...document.querySelectorAll('.q-tab-panel:not([style*="none"]) *')].every(e => !e.offsetParent
         || e.getBoundingClientRect().right <= innerWidth + 1 || e.closest('.words, .frame, .scroll'))
-    && [...document.querySelectorAll('.chart canvas')].every(e => !e.offsetParent
+    && [...document.querySelectorAll('.chart .main-svg')].every(e => !e.offsetParent
         || e.getBoundingClientRect().right <= e.closest('.chart').getBoundingClientRect().right + 1)
     && [...document.querySelectorAll('.q-field--error .q-field__messages')].every(e => !e.offsetParent
         || e.getBoundingClientRect().bottom <=

@@ -43,10 +43,7 @@ SHOWN = """() => {
         table: texts('.right td'),
         busy: seen('.busy').length + panel.querySelectorAll('button.disabled').length
             + panel.innerText.includes('is being computed'),
-        charts: seen('.chart').map(e => {
-            const option = getElement(Number(e.id.slice(1))).chart?.getOption();
-            return (option?.series ?? []).flatMap(s => (s.data ?? []).map(p => p[1]));
-        }),
+        charts: seen('.chart').map(e => (e.data ?? []).flatMap(trace => [...(trace.y ?? [])])),
         screen: document.querySelector('[role=tab][aria-selected=true]').innerText.trim(),
     };
 }"""

@@ -91,7 +91,10 @@ def test_band_is_the_whole_uncertainty():
 
 
 def test_band_of_a_point_and_of_an_unknown_error():
-    assert len(drawn(friction_curve(velocity=0.01, error=0.05)).collections) == 1
+    curve = friction_curve(velocity=0.01, error=0.05)
+    _, bar = drawn(curve).get_lines()
+    ends = curve.mu - 0.05, curve.mu + 0.05
+    np.testing.assert_allclose(bar.get_ydata()[:2], ends)
     assert not drawn(friction_curve(error=np.nan)).collections
 
 

@@ -7,9 +7,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import msgspec
+import numpy as np
 from nicegui import background_tasks, ui
 
 import elastomdr as em
@@ -17,7 +18,8 @@ import elastomdr as em
 from ..cli import bodies as kinds
 from ..cli.schema import Content, Table, decode, named
 from ..errors import InputError
-from ..results.plot_contacts import draw_cutoffs
+from ..results.plot_contacts import SPECTRUM, WAVE_NUMBER, roughness_in_words
+from ..results.plotting import PALETTE, DrawAsk, Entry, Panels, Sketch, Trace, figure_of
 from ..surface.spectrum import AbstractSpectrum
 from .chart import Drawn, drawn
 from .form import TableForm
@@ -37,6 +39,9 @@ from .stage import (
     sample,
 )
 from .words import path_of, title, with_signs
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _NAMES = ("[surface] longest", "[surface] shortest")
 _FIRST = (
@@ -253,6 +258,35 @@ def look(content: Content, session: Session) -> Seen:
         (least, widest),
         tuple(_offers(asked, whole)),
     )
+
+
+def draw_cutoffs(spectrum: AbstractSpectrum, whole: AbstractSpectrum | None) -> "Axes":
+    """A spectrum between its cutoffs and the rms slope of the surface down to each
+    wavelength, before the `whole` that it is cut from.
+    """
+    heading = roughness_in_words(float(spectrum.rms_height), float(spectrum.rms_slope))
+    entry = Entry(heading, heading, (WAVE_NUMBER, SPECTRUM))
+    sketch = Sketch(DrawAsk(), entry, Panels(1, 2))
+    left, right = sketch.canvas.panels
+    figure_of(left).set_size_inches(9.6, 3.8)
+    left.set(xscale="log", yscale="log")
+    right.set(
+        xscale="log",
+        xlabel="Shortest wavelength kept [mm]",
+        ylabel="rms slope of the surface [-]",
+    )
+    for each, colour, width in ((whole, "#b8bec6", 0.7), (spectrum, PALETTE[0], 1.0)):
+        if each is not None:
+            q = np.geomspace(float(each.q_low), float(each.q_high), 200)
+            moment = np.asarray(each.moment(3, each.q_low, q))
+            slope = np.sqrt(2 * np.pi * np.maximum(moment, 0.0))
+            sketch.add(Trace(q, each.at(q), colour=colour, width=width))
+            sketch.add(
+                Trace(2e3 * np.pi / q, slope, ax=right, colour=colour, width=width)
+            )
+    right.set_ylim(0.0, None)
+    right.invert_xaxis()
+    return sketch.finish()
 
 
 def _offers(asked: kinds.AnySurface, whole: AbstractSpectrum | None) -> list[Offer]:

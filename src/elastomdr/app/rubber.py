@@ -15,7 +15,7 @@ import elastomdr as em
 from ..cli.fit import Fit, command
 from ..cli.schema import Content, decode, keys_of
 from ..errors import InputError, advised
-from ..fit.figures import draw_prony, draw_shifts, draw_spectrum
+from ..fit.figures import draw_shifts, draw_spectrum
 from ..fit.pipeline import MaterialFit
 from .chart import Drawn, drawn
 from .form import TableForm
@@ -259,7 +259,7 @@ def calculate(
 def figures(fit: MaterialFit) -> dict[str, Drawn]:
     """Master curve, shifts and spectrum of a fit."""
     drawings = {
-        "master": drawn(draw_prony(fit.prony)),
+        "master": drawn(fit.prony.plot()),
         "spectrum": drawn(draw_spectrum(fit.prony)),
     }
     if fit.master.temperature.size > 1:

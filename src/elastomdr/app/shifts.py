@@ -8,7 +8,7 @@ import numpy as np
 from nicegui import background_tasks, ui
 
 from ..checks import significant
-from ..fit.figures import draw_master, draw_shifts
+from ..fit.figures import draw_shifts
 from ..fit.laws import fit_laws
 from ..fit.master import MasterCurve
 from .chart import Drawn, drawn
@@ -155,7 +155,7 @@ def _figures(
     """Master curve and shift factors with these offsets, and what there is to say."""
     edited = _edited(master, offsets)
     shown = {
-        "master": drawn(draw_master(edited)),
+        "master": drawn(edited.plot()),
         "shifts": drawn(draw_shifts(edited)),
     }
     return shown, _in_words(edited, i)

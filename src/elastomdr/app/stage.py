@@ -19,7 +19,6 @@ from nicegui import events, ui
 import elastomdr as em
 
 from ..errors import InputError
-from ..results.chart import Chart
 from .chart import Drawn
 from .scene import CancelledError
 from .security import MOST_BYTES
@@ -359,8 +358,7 @@ class Picture:
     def __init__(self, about: str, stem: str, *, dragged: bool = False):
         self._about, self._stem, self._dragged = about, stem, dragged
         self._drawn: Drawn | None = None
-        self._panels: list[ui.echart] = []
-        self._texts: list[tuple[ui.label, ui.label]] = []
+        self._panels: list[tuple[ui.plotly, ui.label, ui.label]] = []
         self._place = ui.element("div").classes("picture")
         with ui.element("div").classes("buttons save") as self._save:
             ui.label("Save as").classes("about")
@@ -369,6 +367,7 @@ class Picture:
                     kind.upper(), on_click=functools.partial(self._give, kind)
                 )
                 button.props(f'flat dense aria-label="Save as {kind.upper()}"')
+            ui.label("Drag a box to zoom, double-click to zoom back").classes("about")
         self._place.visible = self._save.visible = False
 
     @property
@@ -378,52 +377,35 @@ class Picture:
 
     def show(self, drawn: Drawn | None) -> None:
         """Shows a figure, or nothing; one of the same curves stays zoomed as it is."""
-        same = _curves(drawn) == _curves(self._drawn)
         self._drawn = drawn
         self._place.visible = self._save.visible = drawn is not None
         if drawn is None:
             return
-        if not same:
+        if len(self._panels) != len(drawn.charts):
             self._place.clear()
             with self._place:
-                made = [self._panel(chart) for chart in drawn.charts]
-            self._panels = [panel for panel, _ in made]
-            self._texts = [texts for _, texts in made]
-        for chart, panel, texts in zip(
-            drawn.charts, self._panels, self._texts, strict=True
+                self._panels = [self._panel() for _ in drawn.charts]
+        for chart, plot, (panel, heading, notes) in zip(
+            drawn.charts, drawn.plots(), self._panels, strict=True
         ):
-            texts[0].text = spoken(chart.title)
-            texts[1].text = spoken("\n".join(chart.notes))
-            if same:
-                panel.options.update(chart.options)
-                panel.update()
-            panel.client.run_javascript(f"elastomdr.label({panel.id})")
-            if self._dragged:
-                panel.client.run_javascript(f"elastomdr.drag({panel.id})")
+            heading.text = spoken(chart.title)
+            notes.text = spoken("\n".join(chart.notes))
+            panel.update_figure(plot)
+            dragged = str(self._dragged).lower()
+            panel.client.run_javascript(f"elastomdr.ready({panel.id}, {dragged})")
 
-    def _panel(self, chart: Chart) -> tuple[ui.echart, tuple[ui.label, ui.label]]:
+    def _panel(self) -> tuple[ui.plotly, ui.label, ui.label]:
         with ui.element("figure").classes("panel"):
-            texts = (
-                ui.label().classes("panel-title"),
-                ui.label().classes("panel-notes"),
-            )
-            panel = ui.echart(dict(chart.options)).classes("chart")
+            heading = ui.label().classes("panel-title")
+            notes = ui.label().classes("panel-notes")
+            panel = ui.plotly({"data": [], "layout": {}}).classes("chart")
             panel.props(f'role=img aria-label="{self._about}"')
-        return panel, texts
+        return panel, heading, notes
 
     async def _give(self, kind: str) -> None:
         if self._drawn is not None:
             content = await worked(DRAWING, self._drawn.saved, kind)
             ui.download.content(content, f"{self._stem}.{kind}")
-
-
-def _curves(drawn: Drawn | None) -> list[tuple[str, str]] | None:
-    """What is drawn, without its numbers."""
-    return drawn and [
-        (each["type"], each["name"])
-        for chart in drawn.charts
-        for each in chart.options["series"]
-    ]
 
 
 class Notes:

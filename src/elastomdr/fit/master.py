@@ -61,6 +61,7 @@ if TYPE_CHECKING:
 
     from .._types import ArrayLike, Kind, LawName, Number, Style
     from ..material.shift import VFT, WLF
+    from ..results.plotting import Sketch
 
 # --------------------------------------------------------------------------------------
 # The shift law that a material made from a master curve carries: the given one, or the
@@ -541,9 +542,34 @@ class MasterCurve(AbstractFindings):
         """Draws the shifted data with curve and band on `ax`, or on a new figure, in a
         style of `Result.plot`; returns matplotlib Axes.
         """
-        from .figures import draw_master
+        from .drawing import celsius, draw_band, of_moduli
 
-        return draw_master(self, ax, style)
+        dynamic, (low, high) = bool(self.omega.size), self.window
+        title = f"Master curve at {celsius(self.reference)}"
+        made = of_moduli(self.kind, dynamic, title, self.source, ax, style)
+        self.draw_points(made)
+        band = (
+            self.band(np.geomspace(low, high, 300))
+            if dynamic
+            else self.relaxation_band(np.geomspace(1 / high, 1 / low, 300))
+        )
+        draw_band(made, band, "smooth spectrum")
+        return made.finish()
+
+    def draw_points(self, made: Sketch) -> None:
+        """Draws the shifted data, one colour for each temperature."""
+        from .drawing import Isotherms, draw_isotherms
+
+        every = [
+            Isotherms(self.omega, self.storage, self.isotherm, "storage modulus"),
+            Isotherms(
+                self.omega, self.loss, self.isotherm, "loss modulus", "s", "none"
+            ),
+        ]
+        if not self.omega.size:
+            measured = self.time, self.relaxation, self.time_isotherm
+            every = [Isotherms(*measured, "relaxation modulus")]
+        draw_isotherms(made, self.temperature, self.reference, every)
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the shifts, as pairs of a name and a text."""

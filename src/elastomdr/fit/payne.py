@@ -135,9 +135,37 @@ class SofteningFit(Softening):
         """Draws the factors over strain with the measured points, in a style of
         `Result.plot`; returns matplotlib Axes.
         """
-        from .figures import draw_softening
+        from ..results.plotting import Dots, Trace
+        from .drawing import BLUE, RED, sketch
 
-        return draw_softening(self.sweeps, self.factors, ax, style)
+        sweeps = self.sweeps
+        plural = "s" * (sweeps.omega.size > 1)
+        made = sketch(
+            ("Strain amplitude [%]", "Factor on the modulus of small strain [-]"),
+            "Softening with strain",
+            f"{sweeps.omega.size} sweep{plural}, {sweeps.strain.size} points",
+            ax,
+            style,
+        )
+        made.ax.set(xscale="log")
+        strain = np.geomspace(sweeps.strain.min() / 3, sweeps.strain.max(), 200)
+        storage, loss = map(np.asarray, self.factors(strain))
+        for measured, factor, colour, mark, name in (
+            (sweeps.storage, storage, BLUE, "o", "storage modulus"),
+            (sweeps.loss, loss, RED, "s", "loss modulus"),
+        ):
+            made.add(Trace(100 * strain, factor, name, colour=colour, width=0.7))
+            made.add(
+                Dots(
+                    100 * sweeps.strain,
+                    measured,
+                    colour=colour,
+                    mark=mark,
+                    hollow="none",
+                )
+            )
+        made.ax.set_ylim(0.0, None)
+        return made.finish()
 
     def __repr__(self) -> str:
         return f"SofteningFit\n{self.summary()}"

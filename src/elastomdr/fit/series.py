@@ -14,7 +14,7 @@ import numpy as np
 
 from ..arrays import one_thread
 from ..checks import in_si, one_of, positive, scalar, significant
-from ..errors import InputError, advise
+from ..errors import InputError, advise, quiet
 from ..io.data import KINDS, lists
 from ..material.prony import Prony
 from ..material.validity import Range, misfit_bands
@@ -403,9 +403,45 @@ class PronyFit(AbstractFindings):
         """Draws data, series and band against frequency on `ax`, or on a new figure, in
         a style of `Result.plot`; returns matplotlib Axes.
         """
-        from .figures import draw_prony
+        from ..results.plotting import Dots
+        from .drawing import BLUE, RED, celsius, draw_band, draw_beyond, of_moduli
 
-        return draw_prony(self, ax, style)
+        dynamic, (low, high) = bool(self.omega.size), self.window
+        title = self.material.name or "Prony series"
+        if self.master is not None:
+            title += f" at {celsius(self.master.reference)}"
+        small = f"rms relative residuals: {self.residuals_in_words()}"
+        made = of_moduli(self.kind, dynamic, title, small, ax, style)
+        if self.master is not None:
+            self.master.draw_points(made)
+        elif dynamic:
+            made.add(Dots(self.omega, self.storage, "storage modulus", colour=BLUE))
+            made.add(
+                Dots(
+                    self.omega,
+                    self.loss,
+                    "loss modulus",
+                    colour=RED,
+                    mark="s",
+                    hollow="none",
+                )
+            )
+        else:
+            made.add(
+                Dots(self.time, self.relaxation, "relaxation modulus", colour=BLUE)
+            )
+        if not dynamic:
+            low, high = 1 / high, 1 / low
+        wide, inside = np.geomspace(low / 10, 10 * high, 400), (low, high, 300)
+        label = f"Prony series, {self.terms} terms"
+        with quiet():  # the warnings of the fit have been said
+            if dynamic:
+                draw_beyond(made, wide, self.moduli_at(wide))
+                draw_band(made, self.band(np.geomspace(*inside)), label)
+            else:
+                draw_beyond(made, wide, [self.relaxation_at(wide)])
+                draw_band(made, self.relaxation_band(np.geomspace(*inside)), label)
+        return made.finish()
 
     def residuals_in_words(self) -> str:
         """The rms residual of each modulus that was fitted."""

@@ -143,9 +143,46 @@ class AdhesionFit(AbstractFindings):
         """Draws measured friction with the fitted sum and hysteresis alone, in a style
         of `Result.plot`; returns matplotlib Axes.
         """
-        from .figures import draw_adhesion
+        from ..results.plotting import Dots, Trace
+        from .drawing import celsius, shades, sketch
 
-        return draw_adhesion(self, ax, style)
+        low, high = (x / 1e6 for x in self.interval["stress"])
+        stress = f"{self.parameters['stress'] / 1e6:.3g} MPa"
+        made = sketch(
+            ("Sliding velocity [m/s]", "Friction coefficient [-]"),
+            "Hysteresis and adhesive shear",
+            f"stress {stress} ({low:.3g} to {high:.3g}, 95 %)",
+            ax,
+            style,
+        )
+        made.ax.set(xscale="log")
+        kelvin = np.zeros(self.velocity.size)
+        if self.temperature is not None:
+            kelvin = np.round(self.temperature, 1)
+        levels = np.unique(kelvin)
+        for level, colour in zip(levels, shades(levels.size), strict=True):
+            here = np.flatnonzero(kelvin == level)
+            here = here[np.argsort(self.velocity[here], kind="stable")]
+            used, label = here[self.used[here]], "measured"
+            if self.temperature is not None:
+                label = celsius(float(level))
+            made.add(
+                Dots(
+                    self.velocity[used],
+                    self.measured[used],
+                    label,
+                    colour=colour,
+                    is_curve=True,
+                )
+            )
+            v, part = self.velocity[here], self.hysteresis[here]
+            made.add(Trace(v, part + self.adhesion[here], colour=colour, width=0.7))
+            made.add(Trace(v, part, colour=colour, dashes="-.", width=0.5, silent=True))
+        none = np.zeros(0)
+        made.add(Trace(none, none, "fitted sum", width=0.6))
+        made.add(Trace(none, none, "hysteresis", dashes="-.", width=0.6))
+        made.ax.set_ylim(0.0, None)
+        return made.finish()
 
 
 class _FittedPoints(NamedTuple):

@@ -826,10 +826,11 @@ class Result:
         Raises:
             InputError: without plotly, and as `plot`.
         """
-        from .plot_interactive import as_plotly
+        from .chart import as_plotly
 
         plotly = _package("plotly.subplots", "interactive")
-        return as_plotly(plotly, self.plot(title=title, **options))
+        make = plotly.subplots.make_subplots
+        return as_plotly(make, self.plot(title=title, **options))
 
     def png(
         self, title: str | None = None, style: "Style | None" = None, **options: Any

@@ -2,34 +2,51 @@
 time or frequency, measured points on them, and a ranking as bars.
 """
 
-import textwrap
+from __future__ import annotations
+
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from ..checks import as_float64, positive, require, significant
 from ..errors import InputError
 from .axes import Axis, Peak, peak
-from .doubts import Doubt, found
+from .doubts import found
 from .plotting import (
     FAINT,
     INK,
-    LIGHT,
     PALETTE,
     RED,
+    Across,
+    Area,
+    Caption,
+    Dots,
     DrawAsk,
     DrawnLine,
+    Entry,
+    Panels,
+    ResultSketch,
     Sketch,
-    Style,
-    begin,
+    Trace,
     dotted,
     draw,
+    figure_of,
     frame,
+    intervals,
     notes_of,
-    plot_line,
 )
 from .words import in_unit, in_words
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .._types import ArrayLike
+    from .base import Band, Result
+    from .curve import Ranked, Ranking
+    from .spectrum import FrictionSpectrum
+
+    Measured: TypeAlias = Mapping[str, ArrayLike]
 
 _VISIBLE = 0.004  # part of the figure's height from which an error band can be seen
 # distance from a curve's up to which a measured point takes its colour [K]
@@ -40,8 +57,11 @@ _UNSTABLE = "#c03030"
 
 
 def draw_curve(
-    result: Any, ask: DrawAsk, measured: Any = None, spread: Any = None
-) -> Any:
+    result: Result,
+    ask: DrawAsk,
+    measured: Measured | None = None,
+    spread: Band | None = None,
+) -> Axes:
     """Draws a coefficient against velocity, its largest value marked, the whole
     uncertainty as a band.
 
@@ -49,47 +69,47 @@ def draw_curve(
     result is.
     """
     points = None if measured is None else as_measured(measured)
-    sketch = Sketch(result, ask)
+    sketch = ResultSketch(result, ask)
     fields, entry = sketch.fields, sketch.entry
     below, above, uncertainty = _band(fields, spread)
     cold, hysteresis = fields.get("cold"), fields.get("hysteresis")
     highest = _highest(fields[sketch.y], cold, points)
-    shaded, highest_band, lines = False, highest, list(sketch.lines())
-    single = len(lines) == 1
+    highest_band, lines = highest, list(sketch.lines())
+    parts = len(lines) == 1 and sketch.alone and lines[0].x.size > 1
+    shaded = False
     for line in lines:
         top = peak(line.x, line.y)
         label = _peak_in_words(top, line, None if sketch.along else sketch.axis)
-        colour = sketch.draw(line, label)
+        drawn = sketch.curve(line, label)
         if cold is not None:
-            _draw_thin(sketch, line, cold, "--", colour)
+            _thin(sketch, line, sketch.along_line(cold, line), "--")
         if hysteresis is not None:
-            _draw_parts(sketch, line, hysteresis, colour, single)
+            _draw_parts(sketch, line, sketch.along_line(hysteresis, line), parts)
         down, up = (sketch.along_line(half, line) for half in (below, above))
         if (np.fmax(down, up) > _VISIBLE * highest).any():
             shaded = True
             highest_band = max(highest_band, float(np.nanmax(line.y + up)))
-            _draw_band(sketch, line, down, up, colour)
+            _draw_band(sketch, line, drawn, down, up)
         if top is not None and line.x.size > 1 and sketch.style.words:
-            sketch.peak_mark(top, colour)
-            if single and sketch.alone and line.x[0] < line.x[-1]:
+            _peak_mark(sketch, top, line.colour)
+            if len(lines) == 1 and sketch.alone and line.x[0] < line.x[-1]:
                 _write_above(sketch, line, top, label)
     if points is not None and sketch.along:
         _draw_measured(sketch, points, lines)
     sketch.set_scale()
-    drawn = sketch.canvas.entries or sketch.canvas.foreign
-    before = sketch.before[1][1] if drawn else 0.0
+    before = sketch.before[1][1] if sketch.drawn else 0.0
     sketch.ax.set_ylim(
         0.0, max(1.16 * highest, 1.04 * min(highest_band, 2 * highest), before)
     )
     entry.notes += ["dashed: without heating"] if cold is not None else []
-    if hysteresis is not None and not (single and sketch.alone):
+    if hysteresis is not None and not parts:
         entry.notes.append("dash-dotted: hysteresis, the rest is adhesive shear")
     entry.notes += [f"shaded: {uncertainty}"] if shaded else []
     return sketch.finish()
 
 
 def _band(
-    fields: Mapping[str, np.ndarray], spread: Any
+    fields: Mapping[str, np.ndarray], spread: Band | None
 ) -> tuple[np.ndarray, np.ndarray, str]:
     """How far the band reaches below and above each point, and what it holds."""
     half, uncertainty = _uncertainty(fields)
@@ -112,77 +132,94 @@ def _uncertainty(fields: Mapping[str, np.ndarray]) -> tuple[np.ndarray, str]:
     return error + bound, "numerical and model error"
 
 
-def _highest(values: np.ndarray, cold: Any, points: Any) -> float:
+def _highest(
+    values: np.ndarray,
+    cold: np.ndarray | None,
+    points: Mapping[str, np.ndarray] | None,
+) -> float:
     """The highest point of curves and measurement, above zero."""
     values = values if cold is None else np.fmax(values, cold)
     highest = float(np.fmax.reduce(values, axis=None, initial=0.0)) or 1.0
     return highest if points is None else max(highest, float(points["mu"].max()))
 
 
-def _draw_thin(
-    sketch: Sketch, line: DrawnLine, values: np.ndarray, dashes: str, colour: Any
-) -> None:
-    sketch.ax.plot(
-        line.x,
-        sketch.along_line(values, line),
-        dashes,
-        color=colour,
-        linewidth=0.7 * sketch.style.line,
-        zorder=2.5,
+def _thin(sketch: Sketch, line: DrawnLine, y: np.ndarray, dashes: str) -> None:
+    sketch.add(
+        Trace(
+            line.x,
+            y,
+            silent=True,
+            colour=line.colour,
+            dashes=dashes,
+            width=0.7,
+            layer=2.5,
+        )
     )
 
 
 def _draw_parts(
-    sketch: Sketch, line: DrawnLine, hysteresis: np.ndarray, colour: Any, single: bool
+    sketch: Sketch, line: DrawnLine, border: np.ndarray, areas: bool
 ) -> None:
     """Hysteresis below and adhesive shear above it, as areas under a single curve, as a
     line under several.
     """
-    if not (single and sketch.alone) or line.x.size < 2:
-        _draw_thin(sketch, line, hysteresis, "-.", colour)
+    if not areas:
+        _thin(sketch, line, border, "-.")
         return
-    border = sketch.along_line(hysteresis, line)
-    for low, high, shade, label in (
-        (np.zeros_like(border), border, PALETTE[2], "hysteresis"),
-        (border, line.y, PALETTE[1], "adhesive shear"),
-    ):
-        style = {"color": shade, "alpha": 0.35, "linewidth": 0, "zorder": 1.5}
-        handle = sketch.ax.fill_between(
-            line.x, low, high, where=np.isfinite(line.y), **style
+    sketch.add(
+        Area(
+            line.x,
+            0.0 * border,
+            border,
+            "hysteresis",
+            colour=PALETTE[2],
+            opacity=0.35,
+            layer=1.5,
         )
-        sketch.entry.extras.append((handle, label))
+    )
+    sketch.add(
+        Area(
+            line.x,
+            border,
+            line.y,
+            "adhesive shear",
+            colour=PALETTE[1],
+            opacity=0.35,
+            layer=1.5,
+        )
+    )
 
 
 def _draw_band(
-    sketch: Sketch, line: DrawnLine, down: np.ndarray, up: np.ndarray, colour: Any
+    sketch: Sketch, line: DrawnLine, drawn: Trace, down: np.ndarray, up: np.ndarray
 ) -> None:
     """The uncertainty, of a single point as a bar."""
     if line.x.size > 1:
-        style = {"color": colour, "alpha": LIGHT, "linewidth": 0, "zorder": 2}
         low, high = np.maximum(line.y - down, 0.0), line.y + up
-        sketch.ax.fill_between(line.x, low, high, **style)
-        return
-    style = {"ecolor": colour, "alpha": 0.5, "capsize": 4, "zorder": 2}
-    sketch.ax.errorbar(line.x, line.y, [down, up], fmt="none", **style)
+        sketch.add(Area(line.x, low, high, colour=line.colour, of=drawn))
+    else:
+        sketch.add(intervals(line.x, line.y - down, line.y + up, line.colour))
+
+
+def _peak_mark(sketch: Sketch, top: Peak, colour: str) -> None:
+    sketch.add(
+        Dots(
+            np.array([top.x]),
+            np.array([top.y]),
+            colour=colour,
+            size=3.0,
+            silent=True,
+        )
+    )
 
 
 def _write_above(sketch: Sketch, line: DrawnLine, top: Peak, label: str) -> None:
     """Labels the peak so that the text stays inside the figure."""
-    scale = np.log if sketch.along else np.asarray
+    scale = np.log if line.x[0] > 0 and line.x[-1] > 20 * line.x[0] else np.asarray
     first, last = scale(line.x[0]), scale(line.x[-1])
     share = float((scale(top.x) - first) / (last - first))
-    sketch.canvas.single.append(
-        sketch.ax.annotate(
-            label,
-            xy=(top.x, top.y),
-            fontsize=9,
-            color=INK,
-            xytext=(0, 8),
-            textcoords="offset points",
-            ha="left" if share < 0.25 else "right" if share > 0.75 else "center",
-            va="bottom",
-        )
-    )
+    side = "left" if share < 0.25 else "right" if share > 0.75 else "center"
+    sketch.add(Caption(label, top.x, top.y, side=side, single=True))
 
 
 def _peak_in_words(top: Peak | None, line: DrawnLine, axis: Axis | None) -> str:
@@ -199,7 +236,7 @@ def _peak_in_words(top: Peak | None, line: DrawnLine, axis: Axis | None) -> str:
     return f"{top.kind} {significant(top.y, 3)} at {place}".replace("degC", "°C")
 
 
-def as_measured(measured: Any) -> dict[str, np.ndarray]:
+def as_measured(measured: Measured) -> dict[str, np.ndarray]:
     """Measured points as lists: "velocity" [m/s], "mu" and, if known, "temperature"
     [K], which broadcast.
 
@@ -238,71 +275,52 @@ def as_measured(measured: Any) -> dict[str, np.ndarray]:
 
 
 def _draw_measured(
-    sketch: Sketch, points: dict[str, np.ndarray], lines: list[DrawnLine]
+    sketch: ResultSketch, points: Mapping[str, np.ndarray], lines: list[DrawnLine]
 ) -> None:
     """Draws points in the colour of the curve at their temperature, in black where
-    there is none.
+    there is none, with a marker and a label for each temperature, or one for all where
+    these are many.
     """
+    v, mu = points["velocity"], points["mu"]
     measured_at = points.get("temperature")
     computed_at = sketch.fields.get("temperature")
-    left = np.ones(points["mu"].shape, dtype=bool)
-    if measured_at is not None and computed_at is not None:
-        for line in lines:
-            temperature = np.atleast_1d(computed_at[line.curve.place])
-            near = np.abs(measured_at - temperature[0]) <= SAME_TEMPERATURE
-            near &= left & (np.ptp(temperature) == 0)
-            if near.any():
-                label = f"measured, {in_words('temperature', float(temperature[0]))}"
-                _mark_points(sketch, points, near, "o", line.colour, label)
-            left &= ~near
-    if not left.any():
-        return
+    left = np.ones(mu.shape, dtype=bool)
+
+    def mark(chosen: np.ndarray, mark: str, colour: str, of: str) -> None:
+        if chosen.any():
+            label = f"measured{', ' * bool(of)}{of}"
+            sketch.add(
+                Dots(
+                    v[chosen],
+                    mu[chosen],
+                    label,
+                    colour=colour,
+                    mark=mark,
+                    size=2.8,
+                    hollow="white",
+                )
+            )
+
     if measured_at is None:
-        _mark_points(sketch, points, left, "s", INK, "measured")
+        mark(left, "s", INK, "")
         return
-    _draw_without_curve(sketch, points, left, computed_at is not None)
-
-
-def _draw_without_curve(
-    sketch: Sketch, points: dict[str, np.ndarray], left: np.ndarray, other_curves: bool
-) -> None:
-    """Points in black, with a marker and a label for each temperature, or one for all
-    where these are many.
-    """
-    note = " (no curve)" if other_curves else ""
-    temperature = points["temperature"]
-    means = grouped(temperature[left])
+    for line in lines:
+        if computed_at is None:
+            break
+        temperature = np.atleast_1d(computed_at[line.curve.place])
+        near = np.abs(measured_at - temperature[0]) <= SAME_TEMPERATURE
+        near &= left & (np.ptp(temperature) == 0)
+        mark(near, "o", line.colour, in_words("temperature", float(temperature[0])))
+        left &= ~near
+    note = " (no curve)" if computed_at is not None else ""
+    means = grouped(measured_at[left])
+    texts = [in_words("temperature", mean) for mean in means]
     if len(means) > len(_WITHOUT_CURVE):
-        low, high = (in_words("temperature", each) for each in (means[0], means[-1]))
-        label = f"measured, {low} to {high}{note}"
-        _mark_points(sketch, points, left, "s", INK, label)
+        mark(left, "s", INK, f"{texts[0]} to {texts[-1]}{note}")
         return
-    nearest = np.abs(temperature[:, None] - means).argmin(axis=1)
-    for k, (mean, marker) in enumerate(zip(means, _WITHOUT_CURVE, strict=False)):
-        label = f"measured, {in_words('temperature', mean)}{note}"
-        _mark_points(sketch, points, left & (nearest == k), marker, INK, label)
-
-
-def _mark_points(
-    sketch: Sketch,
-    points: dict[str, np.ndarray],
-    chosen: np.ndarray,
-    marker: str,
-    colour: Any,
-    label: str,
-) -> None:
-    (handle,) = sketch.ax.plot(
-        points["velocity"][chosen],
-        points["mu"][chosen],
-        marker,
-        color=colour,
-        linestyle="none",
-        markersize=2.8 * sketch.style.line,
-        markeredgewidth=0.7 * sketch.style.line,
-        markerfacecolor="white",
-        zorder=5,
-    )
-    sketch.entry.extras.append((handle, label))
+    nearest = np.abs(measured_at[:, None] - np.array(means or [0.0])).argmin(axis=1)
+    for k, (text, symbol) in enumerate(zip(texts, _WITHOUT_CURVE, strict=False)):
+        mark(left & (nearest == k), symbol, INK, text + note)
 
 
 def grouped(temperature: np.ndarray) -> list[float]:
@@ -314,139 +332,132 @@ def grouped(temperature: np.ndarray) -> list[float]:
     return [float(run.mean()) for run in runs if run.size]
 
 
-def draw_traction(result: Any, ask: DrawAsk) -> Any:
+def draw_traction(result: Result, ask: DrawAsk) -> Axes:
     """Draws traction against creepage or slip, as it was given; dashed what a contact
     has that slips all over.
     """
-    x = "slip" if result.slip is not None else "creepage"
-    friction = np.asarray(result.friction)
-    constant = np.isfinite(friction).all() and np.ptp(friction) == 0
+    fields = {q.key: values for q, values in result.fields().items()}
+    x = "slip" if "slip" in fields else "creepage"
+    friction = fields["friction"]
+    constant = bool(np.isfinite(friction).all() and np.ptp(friction) == 0)
+    sign = -1.0 if np.nanmin(fields[x]) < 0 else 1.0
 
-    def full_slip(sketch: Sketch, line: DrawnLine) -> None:
-        most = sketch.along_line(sketch.fields["friction"], line)
+    def full_slip(sketch: ResultSketch, line: DrawnLine, _: Trace) -> None:
+        most = sketch.along_line(friction, line)
+        if constant and line.curve is sketch.curves[0]:
+            for bound in {float(most[0]), sign * float(most[0])}:
+                sketch.add(Across(y=bound, dashes="--"))
         if sketch.along and np.isfinite(most).all() and np.ptp(most) > 0:
             limit = np.where(line.x == 0, np.nan, np.sign(line.x) * most)
-            sketch.ax.plot(
-                line.x, limit, "--", color=line.colour, linewidth=0.9, zorder=1
+            sketch.add(
+                Trace(
+                    line.x, limit, colour=line.colour, dashes="--", width=0.5, layer=1.0
+                )
             )
             top = peak(line.x, np.abs(line.y))
             if top is not None and top.inside:  # at an end the largest may lie beyond
                 i = int(np.flatnonzero(line.x == top.x)[0])
-                sketch.peak_mark(Peak(top.x, float(line.y[i]), True), line.colour)
+                _peak_mark(sketch, Peak(top.x, float(line.y[i]), True), line.colour)
 
-    ax = draw(result, ask, x=x, also=full_slip)
-    if constant:
-        sliding = float(friction.flat[0])
-        for bound in (
-            {sliding, -sliding} if np.nanmin(getattr(result, x)) < 0 else {sliding}
-        ):
-            ax.axhline(bound, color="#888888", linewidth=0.9, linestyle="--", zorder=1)
-    return ax
+    return draw(result, ask, x=x, also=full_slip)
 
 
-def draw_break_out(result: Any, ask: DrawAsk, y: str) -> Any:
+def draw_break_out(result: Result, ask: DrawAsk, y: str) -> Axes:
     """Draws the break-out coefficient or the real contact against the dwell, the whole
     uncertainty as a band: that of both is relatively the same.
     """
 
-    def band(sketch: Sketch, line: DrawnLine) -> None:
+    def band(sketch: ResultSketch, line: DrawnLine, drawn: Trace) -> None:
         half, uncertainty = _uncertainty(sketch.fields)
         around = sketch.along_line(half / sketch.fields["mu"], line) * line.y
-        _draw_band(sketch, line, around, around, line.colour)
-        if (note := f"shaded: {uncertainty}") not in sketch.entry.notes:
-            sketch.entry.notes.append(note)
+        _draw_band(sketch, line, drawn, around, around)
+        sketch.entry.notes[:] = [f"shaded: {uncertainty}"]
 
     return draw(result, ask, y=y, also=band)
 
 
-def draw_heat_build_up(result: Any, ask: DrawAsk) -> Any:
+def draw_heat_build_up(result: Result, ask: DrawAsk) -> Axes:
     """Draws temperature against time, with the steady one dotted, or the steady one
     against velocity.
     """
-    over_time = result.time is not None
+    over_time = any(q.path == "time" for q in result.quantities())
 
-    def steady(sketch: Sketch, line: DrawnLine) -> None:
+    def steady(sketch: ResultSketch, line: DrawnLine, _: Trace) -> None:
         if over_time:
-            temperature = in_unit(sketch.values("steady", line.curve)[0], "°C")
-            sketch.ax.axhline(
-                temperature, color=line.colour, linewidth=0.9, linestyle=":"
-            )
+            temperature = in_unit(sketch.fields["steady"][line.curve.place], "°C")
+            at = float(np.ravel(temperature)[0])
+            sketch.add(Across(y=at, colour=line.colour, dashes=":"))
             sketch.entry.notes[:] = ["dotted: steady"]
 
     return draw(result, ask, x="time" if over_time else "velocity", also=steady)
 
 
-def draw_stability(result: Any, ask: DrawAsk) -> Any:
+def draw_stability(result: Result, ask: DrawAsk) -> Axes:
     """Draws the damping ratio against velocity; dotted where friction does not follow,
     shaded where swings grow.
     """
-    sketch = Sketch(result, ask)
-    ax, extras = sketch.ax, sketch.entry.extras
+    sketch = ResultSketch(result, ask)
     for line in sketch.lines():
         follows = sketch.along_line(sketch.fields["follows"], line)
         counts = follows & np.isfinite(line.y)
         # what decides lies on top
-        ax.plot(
-            line.x, line.y, ":", color=line.colour, linewidth=0.7 * sketch.style.line
-        )
-        sketch.draw(
+        sketch.add(Trace(line.x, line.y, colour=line.colour, dashes=":", width=0.7))
+        sketch.curve(
             line._replace(y=np.where(counts, line.y, np.nan)),
-            marker="o" if counts.sum() == 1 else None,
+            mark="o" if counts.sum() == 1 else "",
         )
         unstable = counts & (line.y < 0)
-        if unstable.any():
-            red = {"color": _UNSTABLE, "alpha": 0.3, "linewidth": 0, "zorder": 1}
-            area = ax.fill_between(
-                line.x, line.y, 0, where=unstable, interpolate=True, **red
-            )
-            extras.append((area, "swings grow"))
         # between two points there is an area, at one there is none
         if unstable.sum() == 1:
-            ax.plot(
-                line.x[unstable], line.y[unstable], "o", color=_UNSTABLE, markersize=4
-            )
-    limit = ax.axvline(
-        float(result.slowest), color="#888888", linewidth=1, linestyle="--"
-    )
-    extras.append((limit, r"$\lambda\sqrt{k/m}$: below it the ratio is not valid"))
-    ax.axhline(0, color="#888888", linewidth=1)
+            sketch.add(Dots(line.x[unstable], line.y[unstable], colour=_UNSTABLE))
+        if unstable.any():
+            below = np.where(counts, np.minimum(line.y, 0.0), np.nan)
+            sketch.add(Area(
+                *(line.x, below, 0.0 * below), "swings grow", colour=_UNSTABLE,
+                opacity=0.3, layer=1.0,
+            ))  # fmt: skip
+    slowest = float(sketch.fields["slowest"])
+    label = r"$\lambda\sqrt{k/m}$: below it the ratio is not valid"
+    sketch.add(Across(label, x=slowest, dashes="--"))
+    sketch.add(Across(y=0.0))
     return sketch.finish()
 
 
-def draw_dissipation(result: Any, ask: DrawAsk) -> Any:
+def draw_dissipation(result: Result, ask: DrawAsk) -> Axes:
     """Draws shares against relaxation time, one line per point that converged."""
-    sketch = Sketch(result, ask)
+    sketch = ResultSketch(result, ask)
     for line in sketch.lines():
-        if not sketch.values("converged", line.curve).all():
+        if not sketch.along_line(sketch.fields["converged"], line).all():
             continue
         dashpot, label = line.si == 0, line.curve.label
         if dashpot.any():
             share = f"dashpot {significant(float(line.y[dashpot][0]), 2)} %"
             label = f"{label}, {share}" if label else share
-        branches = line._replace(x=line.x[~dashpot], y=line.y[~dashpot])
-        sketch.draw(branches, marker="o", label=label)
+        kept = {"x": line.x[~dashpot], "y": line.y[~dashpot]}
+        line = line._replace(**kept, dotted=line.dotted[~dashpot])
+        sketch.curve(line, mark="o", label=label)
     sketch.set_scale()
     sketch.ax.set_ylim(0.0, None)
     return sketch.finish()
 
 
-def draw_friction_spectrum(result: Any, ask: DrawAsk, colour: Any = None) -> Any:
+def draw_friction_spectrum(
+    result: FrictionSpectrum, ask: DrawAsk, colour: str | None = None
+) -> Axes:
     """Draws the part of mu per decade of frequency as steps: the area under a line is
     its friction coefficient.
     """
-    sketch = Sketch(result, ask)
+    sketch = ResultSketch(result, ask)
     half, limits = np.sqrt(result.width), []
+    highest = np.nanmax(sketch.fields["mu"], initial=0.0)
     for line in sketch.lines():
         edges = np.append(line.x / half, line.x[-1] * half)
-        asked = colour is not None and len(sketch.curves) == 1
-        steps = sketch.ax.stairs(
-            line.y / np.log10(result.width),
-            edges,
-            color=colour if asked else line.colour,
-            linewidth=sketch.style.line,
+        x, y = np.repeat(edges, 2)[1:-1], np.repeat(line.y / np.log10(result.width), 2)
+        only = colour if len(sketch.curves) == 1 else None
+        sketch.add(
+            Trace(x, y, line.curve.label, colour=only or line.colour, is_curve=True)
         )
-        sketch.entry.lines.append((steps, line.curve.label, ""))
-        seen = line.x[line.y > 0.01 * np.nanmax(result.mu, initial=0.0)]
+        seen = line.x[line.y > 0.01 * highest]
         limits += [seen.min() / half, seen.max() * half] if seen.size else []
     sketch.set_scale()
     if limits:
@@ -456,120 +467,94 @@ def draw_friction_spectrum(result: Any, ask: DrawAsk, colour: Any = None) -> Any
     return sketch.finish()
 
 
-def draw_force_spectrum(result: Any, ask: DrawAsk) -> Any:
-    """Draws the amplitudes of a force as a spectrum of lines, or its density as a
-    curve.
-    """
-    if result.shows_density:
-        ax = draw(result, ask, "frequency", "density")
-        ax.set_yscale("log")
-        frame(ax)
-        return ax
-    sketch = Sketch(result, ask)
+def draw_density(result: Result, ask: DrawAsk) -> Axes:
+    """Draws the density of a force over frequency."""
+    ax = draw(result, ask, y="density")
+    ax.set_yscale("log")
+    frame(ax)
+    return ax
+
+
+def draw_amplitudes(result: Result, ask: DrawAsk) -> Axes:
+    """Draws the amplitudes of a force as a spectrum of lines."""
+    sketch = ResultSketch(result, ask)
     for line in sketch.lines():
         low = np.nanmax(line.y, initial=0.0) * 1e-4 or 1e-300
-        sketch.ax.vlines(
-            line.x,
-            low,
-            np.maximum(line.y, low),
-            color=line.colour,
-            linewidth=0.6 * sketch.style.line,
-        )
-        (tips,) = sketch.ax.plot(
-            line.x, np.maximum(line.y, low), "o", color=line.colour, markersize=4.5
-        )
-        sketch.entry.lines.append((tips, line.curve.label, ""))
+        y = np.maximum(line.y, low)
+        sketch.add(intervals(line.x, 0.0 * y + low, y, colour=line.colour))
+        sketch.add(Trace(
+            line.x, y, line.curve.label, colour=line.colour, dashes="", mark="o",
+            is_curve=True,
+        ))  # fmt: skip
     sketch.ax.set_yscale("log")
     return sketch.finish()
 
 
-def draw_ranking(ranking: Any, style: str | None, title: str | None) -> Any:
+def draw_ranking(ranking: Ranking, style: str | None, title: str | None) -> Axes:
     """Friction of each material against velocity, at the temperature of a ranking, and
     the ranking as bars.
     """
-    panels: dict[str, Any] = {"nrows": 1, "ncols": 2, "width_ratios": (1.4, 1.0)}
+    heading = f"Ranking at {ranking.where()}".replace("degC", "°C")
+    entry = Entry(
+        heading,
+        heading,
+        ("Sliding velocity [m/s]", "Friction coefficient [-]"),
+        asked=DrawAsk(title=title),
+    )
+    panels = Panels(1, 2, widths=(1.4, 1.0))
     if style is not None:
-        panels = {"nrows": 2, "ncols": 1, "height_ratios": (1.4, 1.0)}
-    left, canvas = begin(DrawAsk(None, style), panels)
-    right, look = canvas.panels[1], canvas.style
-    if look.words:
-        left.figure.set_size_inches(look.wide, look.size[1])
-    place_of_curve = {"temperature": ranking.temperature, "pressure": ranking.pressure}
-    given = {name: x for name, x in place_of_curve.items() if x is not None}
+        panels = Panels(2, 1, heights=(1.4, 1.0))
+    sketch = Sketch(DrawAsk(None, style), entry, panels)
+    bars, count = sketch.canvas.panels[1], len(ranking.places)
+    if sketch.style.words:
+        figure_of(bars).set_size_inches(sketch.style.wide, sketch.style.size[1])
+    given = {"temperature": ranking.temperature, "pressure": ranking.pressure}
+    given = {name: x for name, x in given.items() if x is not None}
     known = [place.mu for place in ranking.places if np.isfinite(place.mu)]
-    by_material: list[tuple[str, tuple[Doubt, ...]]] = []
-    left.set_xscale("log")
+    margin = 0.01 * max(known, default=1.0)
+    sketch.ax.set_xscale("log")
+    by_material = []
     for i, place in enumerate(ranking.places):
         # as in the figure of the curve
         colour = PALETTE[ranking.curve.materials.index(place.material) % len(PALETTE)]
         law = ranking.curve.select(place.material).law()
-        doubts = law.doubts_at(velocity=law.velocity, **given)
+        v = np.asarray(law.velocity)
+        doubts = law.doubts_at(velocity=v, **given)
         by_material.append((place.material, found(doubts)))
-        plot_line(
-            left,
-            law.velocity,
-            law(law.velocity, **given),
-            dotted(doubts, law.velocity.shape),
-            color=colour,
-            linewidth=look.line,
-            label=place.material,
-        )
-        _draw_bar(right, look, i, place, colour, 0.01 * max(known, default=1.0))
-    left.axvline(ranking.velocity, color=FAINT, linestyle=":")
-    left.set(
-        xlabel="Sliding velocity [m/s]",
-        ylabel="Friction coefficient [-]",
-        ylim=(0, None),
-    )
-    right.set(
-        yticks=[],
-        xlabel="Friction coefficient [-]",
-        xlim=(0, None),
-        ylim=(len(ranking.places) - 0.5, -0.75),
-    )
-    right.locator_params(axis="x", nbins=5)
-    for ax in (left, right):
-        frame(ax)
-    if look.words or title:
-        left.figure.suptitle(
-            title or f"Ranking at {ranking.where()}".replace("degC", "°C"),
-            x=0.01,
-            ha="left",
-            fontsize=1.2 * look.text,
-            fontweight="bold",
-            color=INK,
-        )
-    if look.words and (notes := notes_of(by_material)):
-        small = {"fontsize": 0.8 * look.text, "color": FAINT}
-        left.annotate(
-            textwrap.fill("; ".join(notes), 75),
-            (0, 1),
-            (0, 0.6 * look.text),
-            xycoords="axes fraction",
-            textcoords="offset points",
-            va="bottom",
-            **small,
-        )
-    return left
+        points = dotted(doubts, v.shape)
+        sketch.add(Trace(v, np.asarray(law(v, **given)), colour=colour, dotted=points))
+        _draw_bar(sketch, bars, i, place, colour, margin)
+    entry.notes += notes_of(by_material)
+    sketch.add(Across(x=ranking.velocity, colour=FAINT, dashes=":"))
+    sketch.ax.set_ylim(0, None)
+    bars.set(yticks=[], xlabel="Friction coefficient [-]")
+    bars.set(xlim=(0, None), ylim=(count - 0.5, -0.75))
+    bars.locator_params(axis="x", nbins=5)
+    return sketch.finish()
 
 
 def _draw_bar(
-    ax: Any, look: Style, i: int, place: Any, colour: Any, margin: float
+    sketch: Sketch, ax: Axes, i: int, place: Ranked, colour: str, margin: float
 ) -> None:
     """One material of a ranking, its name above the bar."""
-    known = np.isfinite(place.uncertainty)
-    bar = {"color": colour, "xerr": place.uncertainty if known else None, "capsize": 3}
-    ax.barh(i, place.mu, 0.5, **bar)
+    ends, half = np.array([0.0, place.mu]), np.full(2, 0.25)
+    sketch.add(Area(ends, i - half, i + half, opacity=1.0, colour=colour, ax=ax))
+    if np.isfinite(place.uncertainty):
+        ends = place.mu + place.uncertainty * np.array([-1.0, 1.0])
+        sketch.add(Trace(ends, np.full(2, i), width=0.6, mark="|", ax=ax))
     name = place.material
     if place.significant is False:
         name += " (lead not significant)"
     elif place.significant is None and not np.isnan(place.ahead):
         name += " (significance not known)"
-    ax.text(
-        margin,
-        i - 0.3,
-        name,
-        va="bottom",
-        fontsize=0.8 * look.text,
-        color=RED if place.significant is False else INK,
+    sketch.add(
+        Caption(
+            name,
+            margin,
+            i - 0.3,
+            colour=RED if place.significant is False else INK,
+            side="left",
+            offset=(0, 0),
+            ax=ax,
+        )
     )

@@ -1,23 +1,33 @@
-"""What all figures share: two styles, curves, legend and title; matplotlib is loaded
-when something is drawn.
+"""Figures, described once: lines, bands, rules and words on axes.
 
-A `Sketch` is one result on its way onto axes. What has been drawn on the same axes
-before is kept with them, so that title, notes and legend are made anew for all of it:
-the legend names what the results differ in.
+A `Sketch` is what is drawn together, such as one result. It draws its marks with
+matplotlib as they come, and they are kept with the axes, where `results/chart.py` reads
+them to draw the same with plotly. Title, notes and legend are made anew for all that has
+been drawn on the same axes: the legend names what the results differ in.
 """
+
+from __future__ import annotations
 
 import io
 import textwrap
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
 from ..errors import InputError
-from .axes import Curve, Peak
+from .axes import Curve
 from .doubts import Doubt, Kind
 from .words import in_unit
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from .._types import ArrayLike
+    from .base import Result
 
 PALETTE = (
     "#1f5a94",
@@ -60,7 +70,7 @@ class Style(NamedTuple):
     # whether there is a title, the model's name and notes, and values in the legend
     words: bool
     dpi: int
-    settings: dict[str, Any]
+    settings: Mapping[str, float]
 
 
 _FINE = {
@@ -83,31 +93,214 @@ STYLES = {
 
 
 class DrawAsk(NamedTuple):
-    """How a result is to be drawn."""
+    """How something is to be drawn."""
 
-    ax: Any = None
+    ax: Axes | None = None
     style: str | None = None
     title: str | None = None
     label: str | None = None
     group: bool = False  # whether it is one of several materials
 
 
+class Panels(NamedTuple):
+    """How a new figure is divided; its first Axes are the ones that are returned."""
+
+    rows: int
+    columns: int = 1
+    heights: Sequence[float] | None = None
+    widths: Sequence[float] | None = None
+    same_x: bool = False
+
+
+# ------------------------------------------------------------------------------------------
+# what a figure consists of
+
+
+@dataclass(eq=False)
+class Trace:
+    """A curve, or points without `dashes`; widths and sizes are in those of a curve."""
+
+    x: np.ndarray
+    y: np.ndarray
+    label: str = ""  # in the legend
+    value: str = ""  # behind the label, where there is room for words
+    is_curve: bool = False  # the legend says whose it is, and names some of many
+    colour: str = INK
+    dashes: str = "-"
+    width: float = 1.0
+    mark: str = ""
+    hollow: str = ""  # the colour within a mark
+    size: float = 2.2  # of a mark
+    dotted: np.ndarray | None = None  # where it is to be doubted
+    silent: bool = False  # nothing is said of it where one points at it
+    layer: float = 3.0
+    ax: Axes | None = None
+    band: Area | None = None  # around it
+
+    def parts(self) -> tuple[np.ndarray, np.ndarray | None]:
+        """y where it is sure, and y where it is to be doubted, up to the neighbours so
+        that there is no gap; None where there is no doubt.
+        """
+        if self.dotted is None or not self.dotted.any():
+            return self.y, None
+        near = self.dotted.copy()
+        near[1:] |= self.dotted[:-1]
+        near[:-1] |= self.dotted[1:]
+        sure = np.where(self.dotted, np.nan, self.y)
+        return sure, np.where(near, self.y, np.nan)
+
+    def draw(self, ax: Axes, style: Style) -> Artist:
+        """Draws it with matplotlib."""
+        look = {
+            "color": self.colour,
+            "marker": self.mark,
+            "markersize": self.size * style.line,
+            "markeredgewidth": 0.6 * style.line,
+            "zorder": self.layer,
+        }
+        (sure, doubted), width = self.parts(), self.width * style.line
+        line = {"linestyle": self.dashes or "none", "linewidth": width}
+        face = self.hollow or self.colour
+        (drawn,) = ax.plot(self.x, sure, markerfacecolor=face, **line, **look)
+        if doubted is not None:
+            thin = {"linestyle": ":", "linewidth": 0.7 * width}
+            ax.plot(self.x, self.y, markerfacecolor="none", **thin, **look)
+        return drawn
+
+
+@dataclass(eq=False)
+class Dots(Trace):
+    """Points, such as those that were measured."""
+
+    dashes: str = ""
+    mark: str = "o"
+
+
+def intervals(
+    x: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    colour: str = FAINT,
+    ax: Axes | None = None,
+) -> Trace:
+    """Bars from low to high."""
+    y = np.stack([low, high, np.full(np.shape(low), np.nan)], -1).ravel()
+    return Trace(
+        np.repeat(x, 3),
+        y,
+        colour=colour,
+        width=0.5,
+        mark="_",
+        size=1.8,
+        silent=True,
+        layer=2.0,
+        ax=ax,
+    )
+
+
+@dataclass(eq=False)
+class Area:
+    """An area between two curves."""
+
+    x: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    label: str = ""
+    colour: str = FAINT
+    opacity: float = LIGHT
+    layer: float = 2.0
+    ax: Axes | None = None
+    of: Trace | None = None  # the curve that it is around
+    value: ClassVar[str] = ""
+    is_curve: ClassVar[bool] = False
+
+    def known(self) -> np.ndarray:
+        """Where both ends are."""
+        return np.isfinite(self.low) & np.isfinite(self.high)
+
+    def draw(self, ax: Axes, style: Style) -> Artist:
+        """Draws it with matplotlib."""
+        if self.of is not None:
+            self.of.band = self
+        look = {"color": self.colour, "alpha": self.opacity, "zorder": self.layer}
+        return ax.fill_between(
+            self.x, self.low, self.high, where=self.known(), linewidth=0, **look
+        )
+
+
+@dataclass(eq=False)
+class Across:
+    """A line across the axes, at one x or at one y."""
+
+    label: str = ""
+    x: float | None = None
+    y: float | None = None
+    colour: str = "#888888"
+    dashes: str = "-"
+    width: float = 0.5
+    layer: float = 1.0
+    ax: Axes | None = None
+    value: ClassVar[str] = ""
+    is_curve: ClassVar[bool] = False
+
+    def draw(self, ax: Axes, style: Style) -> Artist:
+        """Draws it with matplotlib."""
+        look = {"color": self.colour, "linestyle": self.dashes, "zorder": self.layer}
+        look["linewidth"] = self.width * style.line
+        if self.x is not None:
+            return ax.axvline(self.x, **look)
+        assert self.y is not None
+        return ax.axhline(self.y, **look)
+
+
+@dataclass(eq=False)
+class Caption:
+    """A text beside a place."""
+
+    text: str
+    x: float
+    y: float
+    colour: str = INK
+    side: str = "center"
+    offset: tuple[float, float] = (0.0, 8.0)  # [points]
+    ax: Axes | None = None
+    single: bool = False  # only while nothing else is drawn
+    label: ClassVar[str] = ""
+    value: ClassVar[str] = ""
+    is_curve: ClassVar[bool] = False
+
+    def draw(self, ax: Axes, style: Style) -> Artist:
+        """Draws it with matplotlib."""
+        return ax.annotate(
+            self.text,
+            (self.x, self.y),
+            self.offset,
+            textcoords="offset points",
+            fontsize=0.9 * style.text,
+            color=self.colour,
+            ha=self.side,
+            va="bottom",
+        )
+
+
+Mark: TypeAlias = Trace | Area | Across | Caption
+M = TypeVar("M", bound=Mark)
+
+
 @dataclass
 class Entry:
-    """What has been drawn of one result."""
+    """What has been drawn together, such as one result."""
 
     heading: str
     title: str
-    model: str
-    inputs: dict[str, str]
-    asked: DrawAsk
-    each: str
-    counted: tuple[int, int]
-    labels: tuple[str, str]  # of the axes, for this result alone
+    labels: tuple[str, str]  # of the axes, for this alone
+    model: str = ""
+    inputs: Mapping[str, str] = field(default_factory=dict)
+    asked: DrawAsk = field(default_factory=DrawAsk)
+    each: str = ""
+    counted: tuple[int, int] = (0, 0)
     doubts: tuple[Doubt, ...] = ()
-    # artist, what the curve is, what is to see
-    lines: list[tuple[Any, str, str]] = field(default_factory=list)
-    extras: list[tuple[Any, str]] = field(default_factory=list)
+    marks: dict[Mark, Artist] = field(default_factory=dict)  # with what draws them
     notes: list[str] = field(default_factory=list)
 
 
@@ -118,28 +311,106 @@ class Canvas:
     style: Style
     own_figure: bool  # the figure was made here
     foreign: bool  # something was drawn before
-    panels: list[Any] = field(default_factory=list)
+    panels: list[Axes]
     entries: list[Entry] = field(default_factory=list)
-    limits: Any = None  # of x and y, as they were left
-    heading: list[Any] = field(default_factory=list)  # artists of the title
-    # artists that are right while there is one result
-    single: list[Any] = field(default_factory=list)
+    limits: object = None  # of x and y, as they were left
+    heading: list[Artist] = field(default_factory=list)  # artists of the title
+
+    @property
+    def several(self) -> bool:
+        """Whether the figure has several panels."""
+        return len(self.panels) > 1
+
+
+def canvas_of(ax: Axes | None) -> Canvas | None:
+    """What has been drawn on axes by this package."""
+    return getattr(ax, "_elastomdr", None)
+
+
+def figure_of(ax: Axes) -> Figure:
+    """The figure that axes belong to."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    return figure
 
 
 class Sketch:
-    """One result on its way onto axes."""
+    """What is drawn together, on its way onto axes."""
+
+    def __init__(self, ask: DrawAsk, entry: Entry, panels: Panels | None = None):
+        self.canvas = begin(ask, panels)
+        self.ax = ask.ax or self.canvas.panels[0]
+        entries = self.canvas.entries
+        self.labels = [
+            _joined_label([e.labels[i] for e in entries] + [entry.labels[i]])
+            for i in (0, 1)
+        ]
+        self.before = self.ax.get_xlim(), self.ax.get_ylim()
+        if self.canvas.limits == self.before:  # nobody has set others since
+            self.ax.autoscale()
+        self.entry, self.ask, self.style = entry, ask, self.canvas.style
+        self.drawn = len(entries) + self.canvas.foreign
+        self.alone = not self.drawn and not ask.group
+
+    def colours(self, count: int) -> list[str]:
+        """Of curves: shades of one colour, of viridis where nothing else is drawn."""
+        from matplotlib.colors import to_hex, to_rgb
+
+        colour = PALETTE[self.drawn % len(PALETTE)]
+        if count == 1:
+            return [colour]
+        if self.alone:
+            return shades(count)
+        return [
+            to_hex(tuple(1 - (1 - np.array(to_rgb(colour))) * (1 - pale)))
+            for pale in np.linspace(0.0, 0.65, count)
+        ]
+
+    def add(self, mark: M) -> M:
+        """Draws a mark; an area of nothing that is known would spoil the limits."""
+        mark.ax = mark.ax or self.ax
+        if isinstance(mark, Area) and not mark.known().any():
+            return mark
+        self.entry.marks[mark] = mark.draw(mark.ax, self.style)
+        return mark
+
+    def finish(self) -> Axes:
+        """Labels, frames, title and legend of the axes; returns them."""
+        self.ax.set(xlabel=self.labels[0], ylabel=self.labels[1])
+        for ax in {id(ax): ax for ax in (self.ax, *self.canvas.panels)}.values():
+            frame(ax)
+        self.canvas.entries.append(self.entry)
+        _dress(self.canvas)
+        self.canvas.limits = self.ax.get_xlim(), self.ax.get_ylim()
+        return self.canvas.panels[0]
+
+
+class DrawnLine(NamedTuple):
+    """A curve of a result, to draw."""
+
+    curve: Curve
+    order: np.ndarray  # of its points, so that x ascends
+    si: np.ndarray  # x in SI units
+    x: np.ndarray  # in the unit of the figure
+    y: np.ndarray
+    colour: str
+    dotted: np.ndarray  # where it is to be doubted
+
+
+class ResultSketch(Sketch):
+    """One result on its way onto axes: field `y` over field `x`."""
 
     def __init__(
         self,
-        result: Any,
+        result: Result,
         ask: DrawAsk,
         x: str = "",
         y: str = "",
-        panels: dict[str, Any] | None = None,
+        panels: Panels | None = None,
         labels: tuple[str, str] = ("", ""),
     ):
-        self.result, self.ask = result, ask
-        self.fields = {q.key: values for q, values in result.fields().items()}
+        self.result = result
+        self.fields = {q.key: values for q, values in result.fields(None).items()}
         self.about = {q.key: q for q in result.quantities()}
         self.x, self.y = x or result.across, y or result.shows
         self.axis, self.curves = result.curves(result.last or self.x)
@@ -148,116 +419,83 @@ class Sketch:
             bool(result.last) or self.axis.name == self.x or not self.axis.known
         )
         about = self.about[self.x] if self.along else self.axis.quantity
+        self.x_unit = about.shown if about else ""
         names = about.axis_label if about else self.axis.name.capitalize()
-        labels = labels[0] or names, labels[1] or self.about[self.y].axis_label
-        self.ax, self.canvas = begin(ask, panels)
-        self.labels = [
-            _joined_label([e.labels[i] for e in self.canvas.entries] + [labels[i]])
-            for i in (0, 1)
-        ]
-        self.before = self.ax.get_xlim(), self.ax.get_ylim()
-        if self.canvas.limits == self.before:  # nobody has set others since
-            self.ax.autoscale()
-        self.entry = Entry(
+        entry = Entry(
             result.heading(),
             result.title,
+            (labels[0] or names, labels[1] or self.about[self.y].axis_label),
             result.model,
             dict(result.inputs),
             ask,
             result.each,
             result.counted(),
-            labels,
             result.doubts,
         )
-        self.alone = (
-            not self.canvas.entries and not self.canvas.foreign and not ask.group
-        )
-        self.style = self.canvas.style
+        super().__init__(ask, entry, panels)
         self.dotted = dotted(result.doubts, np.shape(result.converged))
 
-    def colours(self, count: int) -> list[Any]:
-        """Of the curves: shades of one colour, of viridis where there is one result."""
-        drawn = len(self.canvas.entries) + self.canvas.foreign
-        colour = PALETTE[drawn % len(PALETTE)]
-        if count == 1:
-            return [colour]
-        import matplotlib
-        from matplotlib.colors import to_rgb
-
-        if drawn == 0 and not self.ask.group:
-            return list(matplotlib.colormaps["viridis"](np.linspace(0.0, 0.85, count)))
-        return [
-            tuple(1 - (1 - np.array(to_rgb(colour))) * (1 - pale))
-            for pale in np.linspace(0.0, 0.65, count)
-        ]
-
-    def values(self, key: str, curve: Curve) -> np.ndarray:
-        """A field along a curve."""
-        return np.atleast_1d(self.fields[key][curve.place])
-
-    def lines(self) -> Iterator["DrawnLine"]:
+    def lines(self) -> Iterator[DrawnLine]:
         """The curves, each with ascending x, in the units of the figure."""
         for curve, colour in zip(
             self.curves, self.colours(len(self.curves)), strict=True
         ):
             x = (
-                self.values(self.x, curve)
+                np.atleast_1d(self.fields[self.x][curve.place])
                 if self.along
                 else np.asarray(self.axis.values, dtype=float)
             )
             order = (
                 np.arange(x.size) if self.result.last else np.argsort(x, kind="stable")
             )
-            y = in_unit(self.values(self.y, curve)[order], self.about[self.y].shown)
             yield DrawnLine(
                 curve,
                 order,
                 x[order],
-                self.across(x[order]),
-                y,
+                in_unit(x[order], self.x_unit),
+                self.shown(self.y, curve)[order],
                 colour,
                 np.atleast_1d(self.dotted[curve.place])[order],
             )
 
-    def across(self, x: np.ndarray) -> np.ndarray:
-        """Horizontal places in the unit of the axis."""
-        about = self.about[self.x] if self.along else self.axis.quantity
-        return in_unit(x, about.shown if about else "")
+    def shown(self, key: str, curve: Curve) -> np.ndarray:
+        """A field along a curve, in the unit of a figure."""
+        values = np.atleast_1d(self.fields[key][curve.place])
+        return in_unit(values, self.about[key].shown)
 
-    def draw(
+    def curve(
         self,
-        line: "DrawnLine",
+        line: DrawnLine,
         value: str = "",
-        marker: str | None = None,
         label: str = "",
-    ) -> Any:
-        """Draws a curve, dotted where it is to be doubted; returns its colour.
+        mark: str = "",
+    ) -> Trace:
+        """Draws a curve, dotted where it is to be doubted.
 
         `label` stands in the legend in place of that of the curve, `value` behind it.
         """
-        marker = marker or ("o" if line.x.size == 1 else None)
-        style = {
-            "linewidth": self.style.line,
-            "marker": marker,
-            "markersize": 2.6 * self.style.line,
-            "zorder": 3,
-        }
-        handle = plot_line(
-            self.ax, line.x, line.y, line.dotted, color=line.colour, **style
+        seen = bool(np.isfinite(line.y).any() or value)
+        return self.add(
+            Trace(
+                line.x,
+                line.y,
+                (label or line.curve.label) if seen else "",
+                value,
+                is_curve=seen,
+                colour=line.colour,
+                mark=mark or ("o" if line.x.size == 1 else ""),
+                size=2.6,
+                dotted=line.dotted,
+            )
         )
-        if np.isfinite(line.y).any() or value:
-            self.entry.lines.append((handle, label or line.curve.label, value))
-        return line.colour
 
-    def finish(self) -> Any:
-        """Labels, frame, title and legend of the axes; returns them."""
-        self.ax.set(xlabel=self.labels[0], ylabel=self.labels[1])
+    def along_line(self, values: np.ndarray, line: DrawnLine) -> np.ndarray:
+        """Values of the result's shape at the points of a line."""
+        return np.atleast_1d(values[line.curve.place])[line.order]
+
+    def finish(self) -> Axes:
         self.set_scale()
-        frame(self.ax)
-        self.canvas.entries.append(self.entry)
-        _dress(self.ax, self.canvas)
-        self.canvas.limits = self.ax.get_xlim(), self.ax.get_ylim()
-        return self.ax
+        return super().finish()
 
     def set_scale(self) -> None:
         """Of the horizontal axis, after the lines and before any limits: those would
@@ -266,102 +504,108 @@ class Sketch:
         if self.along and self.result.scale == "log":
             self.ax.set_xscale("log")
         elif self.along and self.result.scale == "auto":
-            _logarithmic_if_wide(self.ax)
-
-    def along_line(self, values: Any, line: "DrawnLine") -> np.ndarray:
-        """Values of the result's shape at the points of a line."""
-        return np.atleast_1d(values[line.curve.place])[line.order]
-
-    def peak_mark(self, top: Peak, colour: Any) -> None:
-        self.ax.plot(
-            top.x, top.y, "o", color=colour, markersize=3 * self.style.line, zorder=4
-        )
+            every = [m for e in (*self.canvas.entries, self.entry) for m in e.marks]
+            x = [mark.x for mark in every if isinstance(mark, Trace)]
+            _logarithmic_if_wide(self.ax, np.concatenate(x) if x else np.ones(1))
 
 
-class DrawnLine(NamedTuple):
-    """A curve to draw."""
-
-    curve: Curve
-    order: np.ndarray  # of its points, so that x ascends
-    si: np.ndarray  # x in SI units
-    x: np.ndarray  # in the unit of the figure
-    y: np.ndarray
-    colour: Any
-    dotted: np.ndarray  # where it is to be doubted
-
-
-def begin(ask: DrawAsk, panels: dict[str, Any] | None = None) -> tuple[Any, Canvas]:
-    """The axes to draw on, new ones where none are given, and what has been drawn
+def begin(ask: DrawAsk, panels: Panels | None = None) -> Canvas:
+    """The axes to draw on, new ones where none are given, with what has been drawn
     there. Raises `InputError`.
-
-    `panels` says as for `Figure.subplots` how a new figure is divided; its first Axes
-    are the ones to draw on.
     """
     if ask.style not in STYLES:
         raise InputError(f'style must be None or "paper", got {ask.style!r}.')
     style, ax = STYLES[ask.style], ask.ax
-    if ax is not None and not hasattr(ax, "set_xlabel"):
+    if ax is None:
+        return _new_canvas(style, panels)
+    if not hasattr(ax, "set_xlabel"):
         raise InputError(
             f"ax must be matplotlib Axes, or None for a new figure, got {ax!r}; a "
             "style is given as style=."
         )
-    settings: Any = {**style.settings, "font.size": style.text}
-    if ax is None:
-        import matplotlib
-        from matplotlib.figure import Figure
-
-        with matplotlib.rc_context(settings):
-            figure = Figure(
-                figsize=style.panels if panels else style.size, layout="constrained"
-            )
-            grid: list[Any] = (
-                list(figure.subplots(**panels).flat)
-                if panels
-                else [figure.add_subplot()]
-            )
-        ax = grid[0]
-        ax._elastomdr = Canvas(
-            style, own_figure=True, foreign=False, panels=grid if panels else []
-        )
-    canvas: Canvas | None = getattr(ax, "_elastomdr", None)
+    canvas = canvas_of(ax)
     if canvas is None:
         import matplotlib
 
         if style.words:  # as large as the letters that are there
             style = style._replace(text=float(matplotlib.rcParams["font.size"]))
-        canvas = ax._elastomdr = Canvas(style, own_figure=False, foreign=ax.has_data())
-    on = {id(panel) for panel in (ax, *canvas.panels)}
-    # cleared
+        canvas = Canvas(style, own_figure=False, foreign=ax.has_data(), panels=[ax])
+        vars(ax)["_elastomdr"] = canvas
+    on = {id(panel) for panel in canvas.panels}
     canvas.entries = [
-        e
-        for e in canvas.entries
-        if all(id(h.axes) in on for h, *_ in (*e.lines, *e.extras))
+        entry
+        for entry in canvas.entries  # the others were cleared
+        if all(
+            id(artist.axes) in on
+            for mark, artist in entry.marks.items()
+            if not isinstance(mark, Caption)
+        )
     ]
-    return ax, canvas
+    return canvas
+
+
+def _new_canvas(style: Style, panels: Panels | None) -> Canvas:
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    rows, columns, heights, widths, same_x = panels or Panels(1)
+    settings: dict = {**style.settings, "font.size": style.text}
+    with matplotlib.rc_context(settings):
+        size = style.size if panels is None else style.panels
+        grid = Figure(figsize=size, layout="constrained").subplots(
+            rows,
+            columns,
+            squeeze=False,
+            sharex=same_x,
+            height_ratios=heights,
+            width_ratios=widths,
+        )
+    canvas = Canvas(style, own_figure=True, foreign=False, panels=list(grid.flat))
+    for ax in canvas.panels:
+        vars(ax)["_elastomdr"] = canvas
+    return canvas
 
 
 def draw(
-    result: Any,
+    result: Result,
     ask: DrawAsk,
     x: str = "",
     y: str = "",
-    also: Callable[[Sketch, DrawnLine], None] | None = None,
-) -> Any:
+    also: Callable[[ResultSketch, DrawnLine, Trace], None] | None = None,
+) -> Axes:
     """Draws one field over another, one line per further index, and what `also` adds to
     each line.
     """
-    sketch = Sketch(result, ask, x, y)
+    sketch = ResultSketch(result, ask, x, y)
     for line in sketch.lines():
-        sketch.draw(line)
+        drawn = sketch.curve(line)
         if also is not None:
-            also(sketch, line)
+            also(sketch, line, drawn)
     sketch.set_scale()
     if result.from_zero:
         sketch.ax.set_ylim(0.0, None)
     return sketch.finish()
 
 
-def panels(count: int) -> list[Any]:
+def logarithmic_if_wide(ax: Axes, values: ArrayLike, ratio: float = LOG_RATIO) -> None:
+    """A logarithmic vertical axis where these values are spread that widely."""
+    values = np.asarray(values, dtype=float)
+    known = values[np.isfinite(values) & (values > 0)]
+    if known.size and known.max() > ratio * known.min():
+        ax.set_yscale("log")
+        frame(ax)
+
+
+def shades(count: int) -> list[str]:
+    """Colours of viridis, for what is in order."""
+    import matplotlib
+    from matplotlib.colors import to_hex
+
+    every = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.87, max(count, 2)))
+    return [to_hex(each) for each in every[:count]]
+
+
+def panels(count: int) -> list[Axes]:
     """Axes of a new figure, beside each other."""
     from matplotlib.figure import Figure
 
@@ -369,17 +613,16 @@ def panels(count: int) -> list[Any]:
     return list(figure.subplots(1, count))
 
 
-def saved(ax: Any, model: str = "") -> bytes:
-    """The figure that the axes belong to as a PNG image; the model's name goes with it
+def saved(ax: Axes, model: str = "", kind: str = "png") -> bytes:
+    """The figure that the axes belong to as an image; the model's name goes with it
     as its description.
     """
     buffer = io.BytesIO()
-    canvas = getattr(ax, "_elastomdr", None)
-    dpi = canvas.style.dpi if canvas is not None else STYLES[None].dpi
-    ax.figure.savefig(
+    canvas = canvas_of(ax)
+    figure_of(ax).savefig(
         buffer,
-        format="png",
-        dpi=dpi,
+        format=kind,
+        dpi=(canvas.style if canvas else STYLES[None]).dpi,
         metadata={"Description": model} if model else None,
     )
     return buffer.getvalue()
@@ -413,17 +656,11 @@ def notes_of(results: Iterable[tuple[str, tuple[Doubt, ...]]]) -> list[str]:
     return notes
 
 
-def plot_line(ax: Any, x: Any, y: Any, dotted: Any, **style: Any) -> Any:
-    """Draws a line, dotted where it says; returns the line."""
-    handle = ax.plot(x, np.where(dotted, np.nan, y), **style)[0]
-    if dotted.any():
-        thin = 0.7 * style["linewidth"]
-        dots = {**style, "color": handle.get_color(), "linewidth": thin}
-        ax.plot(x, y, ":", markerfacecolor="none", **dots)
-    return handle
+# ------------------------------------------------------------------------------------------
+# frame, title, legend
 
 
-def frame(ax: Any) -> None:
+def frame(ax: Axes) -> None:
     """Grid behind the curves, two spines, ticks whose labels do not overlap."""
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
@@ -443,7 +680,7 @@ def frame(ax: Any) -> None:
     ax.spines[["top", "right"]].set_visible(False)
 
 
-def _power(value: float, _: Any = None) -> str:
+def _power(value: float, _: float | None = None) -> str:
     """A tick of a logarithmic axis: powers of ten as such, all others as plain numbers
     where these are short.
     """
@@ -460,56 +697,43 @@ def _power(value: float, _: Any = None) -> str:
     )
 
 
-def _dress(ax: Any, canvas: Canvas) -> None:
+def _dress(canvas: Canvas) -> None:
     """Title, notes and legend for all that has been drawn."""
     entries = canvas.entries
-    if len(entries) > 1:
-        for artist in canvas.single:
-            artist.remove()
-        canvas.single.clear()
-    handles = _legend_handles(entries, canvas.style.words)
-    for label, handle in handles.items():
-        handle.set_label(label)
+    for entry in entries if len(entries) > 1 else ():
+        for mark in [m for m in entry.marks if isinstance(m, Caption) and m.single]:
+            entry.marks.pop(mark).remove()
+    handles: dict[str, Artist] = {}
+    for entry, named in zip(entries, names(entries, canvas.style.words), strict=True):
+        curves = [mark for mark in named if mark.is_curve]
+        spread = np.linspace(0, len(curves) - 1, min(len(curves), _LEGEND))
+        shown = {id(curves[round(i)]) for i in spread}
+        for mark, label in named.items():
+            entry.marks[mark].set_label(label)
+            if not mark.is_curve or id(mark) in shown:
+                handles.setdefault(label, entry.marks[mark])
     if handles:
-        _write_legend(ax, canvas, handles)
+        _write_legend(canvas, handles)
     titles = [entry.asked.title for entry in entries if entry.asked.title]
     if canvas.foreign and not titles:
         return
-    alike = len({entry.heading for entry in entries}) == 1
-    title = entries[0].heading if alike else entries[0].title
     for artist in canvas.heading:
         artist.remove()
-    canvas.heading = write_title(
-        canvas.panels[0] if canvas.panels else ax,
-        canvas,
-        titles[-1] if titles else title,
-        bool(titles),
-        _small_print(entries),
-    )
+    canvas.heading = _write_title(canvas, heading(entries), bool(titles))
 
 
-def _legend_handles(entries: list[Entry], with_values: bool) -> dict[str, Any]:
-    """Label and artist of what a legend shows: curves, evenly spread where they are
-    many, then all else.
-    """
-    handles: dict[str, Any] = {}
-    for entry, name in zip(entries, _names(entries), strict=True):
-        count = min(len(entry.lines), _LEGEND)
-        spread = np.linspace(0, len(entry.lines) - 1, count).round().astype(int)
-        for handle, curve, value in (entry.lines[i] for i in np.unique(spread)):
-            label = ", ".join(filter(None, (name, curve)))
-            if label and value and with_values:
-                label = f"{label}: {value}"
-            if label:
-                handles.setdefault(label.replace("degC", "°C"), handle)
-    for handle, label in (extra for entry in entries for extra in entry.extras):
-        handles.setdefault(label.replace("degC", "°C"), handle)
-    return handles
+def heading(entries: Sequence[Entry]) -> str:
+    """The title: that which was asked for last, or of what is common."""
+    for entry in reversed(entries):
+        if entry.asked.title:
+            return entry.asked.title
+    alike = len({entry.heading for entry in entries}) == 1
+    return entries[0].heading if alike else entries[0].title
 
 
-def _small_print(entries: list[Entry]) -> tuple[str, str, str]:
+def small_print(entries: Sequence[Entry]) -> tuple[str, str, str]:
     """Models, notes and what failed."""
-    models = dict.fromkeys(entry.model for entry in entries)
+    models = dict.fromkeys(entry.model for entry in entries if entry.model)
     notes = dict.fromkeys(note for entry in entries for note in entry.notes)
     of_doubts = notes_of((e.inputs.get("material", ""), e.doubts) for e in entries)
     notes = {**dict.fromkeys(of_doubts), **notes}
@@ -519,7 +743,24 @@ def _small_print(entries: list[Entry]) -> tuple[str, str, str]:
     return "; ".join(models), "; ".join(notes), missing if failed else ""
 
 
-def _names(entries: list[Entry]) -> list[str]:
+def names(entries: Sequence[Entry], with_values: bool) -> list[Mapping[Mark, str]]:
+    """Of each entry the marks that a legend may name, curves first, with their names."""
+    named: list[Mapping[Mark, str]] = []
+    for entry, name in zip(entries, _told_apart(entries), strict=True):
+        of: dict[Mark, str] = {}
+        for mark in sorted(entry.marks, key=lambda mark: not mark.is_curve):
+            label = mark.label
+            if mark.is_curve:
+                label = ", ".join(filter(None, (name, label)))
+                if label and mark.value and with_values:
+                    label = f"{label}: {mark.value}"
+            if label:
+                of[mark] = label.replace("degC", "°C")
+        named.append(of)
+    return named
+
+
+def _told_apart(entries: Sequence[Entry]) -> list[str]:
     """What sets results apart: the label that was asked for, or else the fewest inputs
     that differ.
     """
@@ -553,140 +794,112 @@ def _names(entries: list[Entry]) -> list[str]:
     ]
 
 
-def _write_legend(ax: Any, canvas: Canvas, handles: dict[str, Any]) -> None:
+def _write_legend(canvas: Canvas, handles: Mapping[str, Artist]) -> None:
     """Beside the axes; in a paper above them, in as many columns as fit, where it
-    covers nothing.
+    covers nothing; below them where they are some of several that matplotlib lays out.
     """
-    style = canvas.style
+    style, ax = canvas.style, canvas.panels[0]
+    figure = figure_of(ax)
     labels = [textwrap.fill(label, 48) for label in handles]
-    common = {"frameon": False, "borderaxespad": 0.2, "fontsize": 0.85 * style.text}
-    if style.words and not crowded(ax, canvas):
+    look = {"frameon": False, "borderaxespad": 0.2, "fontsize": 0.85 * style.text}
+    crowded = (
+        not canvas.own_figure
+        and len(figure.axes) > 1
+        and figure.get_layout_engine() is not None
+    )
+    if style.words and not crowded:
         if canvas.own_figure:
-            width = style.panels[0] + 2.2 if canvas.panels else style.wide
-            ax.figure.set_size_inches(width, ax.figure.get_size_inches()[1])
-        common |= {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0)}
-        ax.legend(handles.values(), labels, **common)
+            width = style.panels[0] + 2.2 if canvas.several else style.wide
+            figure.set_size_inches(width, figure.get_size_inches()[1])
+        look |= {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0)}
+        ax.legend(handles.values(), labels, **look)
         return
-    common |= {"handlelength": 1.5, "columnspacing": 1.2}
-    common["ncols"] = columns = _legend_columns(ax, style, labels)
-    if canvas.own_figure:
-        rows = -(-len(labels) // columns) + sum(label.count("\n") for label in labels)
-        height = style.panels[1] if canvas.panels else style.size[1]
-        ax.figure.set_size_inches(style.wide, height + 0.14 * rows)
-    if style.words:
-        common |= below(ax, style)
-    else:
-        common |= {"loc": "lower left", "fontsize": style.text - 0.5}
-        common["bbox_to_anchor"] = (0.0, 1.0)
-    if not canvas.panels:
-        ax.legend(handles.values(), labels, **common)
-        return
-    for legend in ax.figure.legends[:]:
-        legend.remove()
-    del common["bbox_to_anchor"]
-    common["loc"] = "outside upper left"
-    ax.figure.legend(handles.values(), labels, **common)
-
-
-def _legend_columns(ax: Any, style: Style, labels: list[str]) -> int:
-    """How many columns of a legend fit above or below the axes."""
     inches = STYLES["paper"].wide
     if style.words:
-        position = ax.get_position(original=True)
-        inches = ax.figure.get_size_inches()[0] * position.width
-    room = int(inches * 120 / style.text)  # letters
-    return max(1, min(len(labels), room // (max(map(len, labels)) + 7)))
+        inches = figure.get_size_inches()[0] * ax.get_position(original=True).width
+    columns = _columns(labels, int(inches * 120 / style.text))
+    look |= {"handlelength": 1.5, "columnspacing": 1.2, "ncols": columns}
+    if canvas.own_figure:
+        rows = -(-len(labels) // columns) + sum(label.count("\n") for label in labels)
+        height = style.panels[1] if canvas.several else style.size[1]
+        figure.set_size_inches(style.wide, height + 0.14 * rows)
+    if not style.words:
+        look["fontsize"] = style.text - 0.5
+    if canvas.several:
+        for legend in figure.legends[:]:
+            legend.remove()
+        figure.legend(handles.values(), labels, **look, loc="outside upper left")
+    elif style.words:
+        from matplotlib.transforms import ScaledTranslation
+
+        down = ScaledTranslation(0.0, -0.05 * style.text, figure.dpi_scale_trans)
+        look |= {"loc": "upper left", "bbox_transform": ax.transAxes + down}
+        ax.legend(handles.values(), labels, **look, bbox_to_anchor=(0.0, 0.0))
+    else:
+        look |= {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
+        ax.legend(handles.values(), labels, **look)
 
 
-def crowded(ax: Any, canvas: Canvas) -> bool:
-    """Whether the axes are some of several that matplotlib lays out: a legend beside
-    them takes their width.
-    """
-    return (
-        not canvas.own_figure
-        and len(ax.figure.axes) > 1
-        and ax.get_figure(root=True).get_layout_engine() is not None
-    )
+def _columns(labels: Sequence[str], room: int) -> int:
+    """In how many columns labels fit into so many letters."""
+    letters = [len(label) for label in labels]
+    for columns in range(len(labels), 1, -1):
+        if sum(max(of) + 7 for of in np.array_split(letters, columns)) <= room:
+            return columns
+    return 1
 
 
-def below(ax: Any, style: Style) -> dict[str, Any]:
-    """The place of a legend below the axes and their label."""
-    from matplotlib.transforms import ScaledTranslation
-
-    down = ScaledTranslation(
-        0.0, -3.6 * style.text / 72, ax.get_figure(root=True).dpi_scale_trans
-    )
-    return {
-        "loc": "upper left",
-        "bbox_to_anchor": (0.0, 0.0),
-        "bbox_transform": ax.transAxes + down,
-    }
-
-
-def write_title(
-    ax: Any, canvas: Canvas, title: str, asked: bool, small: tuple[str, str, str]
-) -> list[Any]:
+def _write_title(canvas: Canvas, title: str, asked: bool) -> list[Artist]:
     """Above the axes, from the top: the title, in small print the model's name and what
     lines mean, in red what failed.
 
     Returns the artists but the title. In a paper there is only a title that was asked
     for.
     """
+    ax, text = canvas.panels[0], canvas.style.text
     if not canvas.style.words:
         if asked:
-            ax.set_title(title, loc="left", fontsize=canvas.style.text + 1)
+            ax.set_title(title, loc="left", fontsize=text + 1)
         return []
-    figure, font_size = ax.figure.get_figure(root=True), canvas.style.text
-    if canvas.panels:
-        left = 0.01 if figure.get_layout_engine() else ax.get_position().x0
-        figure.suptitle(
-            title,
-            x=left,
-            ha="left",
-            fontsize=1.2 * font_size,
-            fontweight="bold",
-            color=INK,
-        )
+    figure = figure_of(ax)
+    bold = {"fontsize": 1.2 * text, "fontweight": "bold", "color": INK}
+    if canvas.several:
+        figure.suptitle(title, x=0.01, ha="left", **bold)
     inches = figure.get_size_inches()[0] * ax.get_position(original=True).width
-    above = {
-        "xy": (0, 1),
-        "xycoords": "axes fraction",
-        "textcoords": "offset points",
-        "va": "bottom",
-        "fontsize": 0.8 * font_size,
-    }
-    made, height = [], 0.6 * font_size
-    for words, colour in zip(reversed(small), (RED, FAINT, FAINT), strict=True):
-        lines = textwrap.wrap(words, max(30, int(170 * inches / font_size)))
-        place = {"xytext": (0, height), "color": colour, "linespacing": 1.2, **above}
-        made += [ax.annotate("\n".join(lines), **place)] if lines else []
-        height += 1.2 * font_size * len(lines)
-    if not canvas.panels:
-        heading = "\n".join(textwrap.wrap(title, max(24, int(95 * inches / font_size))))
-        ax.set_title(
-            heading,
-            loc="left",
-            fontsize=1.2 * font_size,
-            fontweight="bold",
-            color=INK,
-            pad=height + 0.4 * font_size,
-        )
+    made: list[Artist] = []
+    height = 0.6 * text
+    for words, colour in zip(
+        reversed(small_print(canvas.entries)), (RED, FAINT, FAINT), strict=True
+    ):
+        lines = textwrap.wrap(words, max(30, int(170 * inches / text)))
+        if lines:
+            made.append(
+                ax.annotate(
+                    "\n".join(lines),
+                    (0, 1),
+                    (0, height),
+                    xycoords="axes fraction",
+                    textcoords="offset points",
+                    va="bottom",
+                    fontsize=0.8 * text,
+                    color=colour,
+                    linespacing=1.2,
+                )
+            )
+        height += 1.2 * text * len(lines)
+    if not canvas.several:
+        wrapped = "\n".join(textwrap.wrap(title, max(24, int(95 * inches / text))))
+        ax.set_title(wrapped, loc="left", pad=height + 0.4 * text, **bold)
     return made
 
 
-def _logarithmic_if_wide(ax: Any) -> None:
+def _logarithmic_if_wide(ax: Axes, x: np.ndarray) -> None:
     """A logarithmic horizontal axis where the values are spread that widely; zero keeps
     a place.
     """
-    values = [
-        np.asarray(line.get_xdata(), dtype=float)
-        for line in ax.get_lines()
-        if line.get_transform() == ax.transData
-    ]
-    x = np.concatenate(values) if values else np.ones(1)
     later = x[x > 0]
-    if later.size and (x >= 0).all() and later.max() > LOG_RATIO * later.min():
-        if later.size < x.size:
+    if later.size and not (x < 0).any() and later.max() > LOG_RATIO * later.min():
+        if (x == 0).any():
             ax.set_xscale("symlog", linthresh=later.min(), linscale=0.3)
         else:
             ax.set_xscale("log")

@@ -182,31 +182,30 @@ class Leak(Result):
         The rest as of every result, `Result.plot`. Raises `InputError`.
         """
         self._check_shown(show)
-        from ..results.plotting import LIGHT, DrawAsk, DrawnLine, Sketch, draw, frame
+        from ..results.plotting import (
+            Area,
+            DrawAsk,
+            DrawnLine,
+            ResultSketch,
+            Trace,
+            draw,
+            logarithmic_if_wide,
+        )
 
-        def band(sketch: Sketch, line: DrawnLine) -> None:
-            if show not in ("rate", "mass_rate", "conductance"):
-                return
-            if self.model_error is None:
-                return
-            error = sketch.along_line(sketch.fields["model_error"], line)
-            factor = 1 + np.where(np.isfinite(error), error, np.nan)
-            if not np.isfinite(line.y * factor).any():
-                return  # a band of NaN would take its limits from the axes
-            ends = line.y / factor, line.y * factor
-            look = {"color": line.colour, "alpha": LIGHT, "linewidth": 0}
-            sketch.ax.fill_between(line.x, *ends, **look)
+        def band(sketch: ResultSketch, line: DrawnLine, drawn: Trace) -> None:
+            error = sketch.fields.get("model_error")
+            if error is not None and show in ("rate", "mass_rate", "conductance"):
+                error = sketch.along_line(error, line)
+                factor = 1 + np.where(np.isfinite(error), error, np.nan)
+                ends = line.y / factor, line.y * factor
+                sketch.add(Area(line.x, *ends, colour=line.colour, of=drawn))
 
         counts = {axis.name: axis.values.size for axis in self.axes()}
         names = ("time", "pressure", "pressure_drop")
         x = max(names, key=lambda name: counts.get(name, int(name == "pressure")))
         ask = DrawAsk(ax, style, title, label)
         drawn = self._draw(draw, ask, x=x, y=show, also=band)
-        values = np.asarray(getattr(self, show))
-        values = values[np.isfinite(values) & (values > 0)]
-        if values.size and values.max() > _LOG_RATIO * values.min():
-            drawn.set_yscale("log")
-            frame(drawn)
+        logarithmic_if_wide(drawn, getattr(self, show), _LOG_RATIO)
         return drawn
 
     def fluid_pressure(self, x: ArrayLike) -> Array:

@@ -200,14 +200,20 @@ class Lubricated(Result):
         The rest as of every result, `Result.plot`. Raises `InputError`.
         """
         self._check_shown(show, "mu", "film_thickness", "least_film", "flow")
-        from ..results.plotting import LIGHT, DrawAsk, DrawnLine, Sketch, draw
+        from ..results.plotting import (
+            Area,
+            DrawAsk,
+            DrawnLine,
+            ResultSketch,
+            Trace,
+            draw,
+        )
 
-        def band(sketch: Sketch, line: DrawnLine) -> None:
+        def band(sketch: ResultSketch, line: DrawnLine, drawn: Trace) -> None:
             error = sketch.along_line(sketch.fields["trapped_error"], line)
             if show == "mu" and (error > 0).any():
                 ends = line.y - error, line.y + error
-                look = {"color": line.colour, "alpha": LIGHT, "linewidth": 0}
-                sketch.ax.fill_between(line.x, *ends, **look)
+                sketch.add(Area(line.x, *ends, colour=line.colour, of=drawn))
                 sketch.entry.notes.append(
                     "band: liquid in closed channels stays or leaves"
                 )

@@ -121,9 +121,21 @@ class RoughLine(Tree):
         """The heights, and their spectrum, side by side; returns the two matplotlib
         Axes.
         """
-        from ..results.plot_contacts import draw_surface
+        from ..results.plot_contacts import draw_surface, roughness_in_words
 
-        return draw_surface(self, axes=axes)
+        n, period = self.count, float(self.period)
+        amplitude = np.abs(np.fft.rfft(np.asarray(self.height))[1 : n // 2] / n)
+        power = amplitude**2 * period / (2 * np.pi)
+        q = 2 * np.pi / period * np.arange(1, n // 2)
+        # without rounding
+        known = power > 1e-16 * power.max(initial=0.0)
+        return draw_surface(
+            (np.asarray(self.x), np.asarray(self.height)),
+            (q[known], power[known]),
+            ("Line", roughness_in_words(float(self.rms_height), float(self.rms_slope))),
+            "Spectrum of the line [m³]",
+            axes,
+        )
 
     @numpy_unless_traced
     def finer(self, factor: int) -> "RoughLine":

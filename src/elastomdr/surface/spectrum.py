@@ -238,10 +238,15 @@ class AbstractSpectrum(Tree):
         """The line made from `seed`, and the spectrum, side by side; returns the two
         matplotlib Axes.
         """
-        from ..results.plot_contacts import draw_surface
+        from ..results.plot_contacts import draw_surface, roughness_in_words
 
+        line = synthesise(self, seed)
+        surface = roughness_in_words(float(self.rms_height), float(self.rms_slope))
         return draw_surface(
-            synthesise(self, seed), self, axes, f"Line of the method, seed {seed}"
+            (np.asarray(line.x), np.asarray(line.height)),
+            (np.asarray(self.q), np.asarray(self.c)),
+            (f"Line of the method, seed {seed}", f"{surface} (surface)"),
+            axes=axes,
         )
 
     def words(self) -> str:

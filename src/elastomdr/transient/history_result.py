@@ -115,7 +115,6 @@ class ForceSpectrum(Result):
     shows_density: bool = setting(default=False)  # whether a window was used
 
     title: ClassVar[str] = "Spectrum of a force"
-    figure: ClassVar[str] = "plot_curves.draw_force_spectrum"
     across: ClassVar[str] = "frequency"
     shows: ClassVar[str] = "amplitude"
     error_of: ClassVar[str] = "the amplitude"
@@ -123,6 +122,11 @@ class ForceSpectrum(Result):
     last: ClassVar[str] = "frequency"
     from_zero: ClassVar[bool] = False
     coordinates: ClassVar[tuple[str, ...]] = ("frequency",)
+
+    def _figure(self) -> str:
+        """Amplitudes or, where a window was used, their density."""
+        drawn = "density" if self.shows_density else "amplitudes"
+        return f"plot_curves.draw_{drawn}"
 
     def describe(self, q: Quantity) -> Quantity:
         """Forces of a rough line are per metre of it."""
