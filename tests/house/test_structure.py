@@ -180,6 +180,7 @@ def test_figures_have_their_files():
         if path.relative_to(SOURCE).as_posix() in (
             "results/plotting.py",
             "results/plot_contacts.py",
+            "results/plot_curves.py",
             "fit/figures.py",
             "results/chart.py",
         ):

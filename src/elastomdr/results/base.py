@@ -29,7 +29,7 @@ import importlib
 import io
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import (
     TYPE_CHECKING,
     Any,
@@ -61,7 +61,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .._types import Style
+    from .plotting import DrawAsk
 
+    Draw = Callable[[Any, DrawAsk], Axes]
     Array = jax.Array | np.ndarray
 else:
     Array = np.ndarray
@@ -396,16 +398,16 @@ class Result:
             Origin(name, r.model, r.inputs, _missing(r), length if ragged else None)
             for name, r, length in zip(unique, results, lengths, strict=True)
         )
-        return _joined(
-            list(results),
-            model="; ".join(dict.fromkeys(r.model for r in results)),
-            plan=tuple(r.plan for r in results),
-            again=tuple(r.again for r in results),
-            inputs=tuple(_joined_inputs(results, unique, drawn).items()),
-            origins=origins,
-            drawn=drawn is not None,
-            marks=_joined_marks(results, drawn is not None),
-        )
+        of_all = {
+            "model": "; ".join(dict.fromkeys(r.model for r in results)),
+            "plan": tuple(r.plan for r in results),
+            "again": tuple(r.again for r in results),
+            "inputs": tuple(_joined_inputs(results, unique, drawn).items()),
+            "origins": origins,
+            "drawn": drawn is not None,
+            "marks": _joined_marks(results, drawn is not None),
+        }
+        return _joined(list(results), of_all)
 
     def select(self, material: str) -> Self:
         """The result of one of the materials. Raises `InputError` for a name that is
@@ -797,18 +799,16 @@ class Result:
         if show not in fields:
             raise InputError(f"show must be one of {', '.join(fields)}, got {show!r}.")
 
-    def _draw(self, draw: Callable[..., Any], ask: Any, **options: Any) -> Any:
+    def _draw(self, draw: "Draw", ask: "DrawAsk") -> "Axes":
         """Draws each material on the same axes."""
+        ax, group = ask.ax, bool(self.origins)
         for one in self.each_material():
             label = ask.label
-            if self.origins and label:
+            if group and label:
                 label = f"{label}, {dict(one.inputs)['material']}"
-            ask = ask._replace(
-                ax=draw(
-                    one, ask._replace(label=label, group=bool(self.origins)), **options
-                )
-            )
-        return ask.ax
+            ax = draw(one, ask._replace(ax=ax, label=label, group=group))
+        assert ax is not None
+        return ax
 
     def interactive(
         self, title: str | None = None, **options: Any
@@ -976,12 +976,12 @@ def fill_sheet(sheet: Any, lines: list[list[Any]]) -> None:
         sheet.column_dimensions[cell.column_letter].width = width
 
 
-def _joined(parts: list[Any], **given: Any) -> Any:
+def _joined(parts: list[T], given: Mapping[str, object]) -> T:
     """One record of several: their numbers along a new first axis, what is no number as
     a tuple.
     """
     values = dict(given)
-    for f in dataclasses.fields(type(parts[0])):
+    for f in dataclasses.fields(type(parts[0])):  # type: ignore[arg-type]
         if f.name not in values:
             column = [getattr(one, f.name) for one in parts]
             values[f.name] = _joined_field(f, column)
@@ -1010,7 +1010,7 @@ def _joined_field(f: Any, column: list[Any]) -> Any:
             f"results must have been computed alike, got {f.name} in {len(given)} of "
             f"{len(column)}."
         )
-    return _joined(given)
+    return _joined(given, {})
 
 
 def _stacked(name: str, column: list[Any], given: list[Any]) -> Any:
@@ -1051,50 +1051,49 @@ def _over_draws(reduce: Callable[[np.ndarray], np.ndarray], values: Any) -> np.n
     return np.where(lost, np.nan, reduce(np.where(lost, 0.0, values)))
 
 
-def _median(record: Any) -> Any:
-    """One of the records that `_joined` has joined, with the medians of all."""
-    values: dict[str, Any] = {}
-    for f in dataclasses.fields(record):
+def _changed(
+    record: T,
+    change: Callable[[str, Array], Array | None],
+    chosen: int,
+    missing: frozenset[str] = frozenset(),
+) -> T:
+    """One record of those that `_joined` has joined: its numbers changed, of a tuple
+    the one that is chosen.
+    """
+    values: dict[str, object] = {}
+    for f in dataclasses.fields(record):  # type: ignore[arg-type]
         value = getattr(record, f.name)
-        if "static" in f.metadata or value is None:
-            values[f.name] = value
-        elif "quantity" in f.metadata and np.asarray(value).dtype == bool:
-            values[f.name] = (
-                np.all(value, axis=0)
-                if f.name == "converged"
-                else np.mean(value, axis=0) > 0.5
-            )
-        elif f.name == "model_error":
-            # of a draw that is not foretold the median is not either
-            values[f.name] = _over_draws(lambda x: np.median(x, axis=0), value)
-        elif "quantity" in f.metadata:
-            values[f.name] = _over_draws(lambda x: np.nanmedian(x, axis=0), value)
+        if f.name in missing:
+            value = None
         elif f.name == "marks":
-            values[f.name] = ()
-        else:
-            values[f.name] = value[0] if isinstance(value, tuple) else _median(value)
+            value = ()
+        elif "quantity" in f.metadata and value is not None:
+            value = change(f.name, value)
+        elif "static" not in f.metadata and value is not None:
+            is_tuple = isinstance(value, tuple)
+            value = value[chosen] if is_tuple else _changed(value, change, chosen)
+        values[f.name] = value
     return type(record)(**values)
 
 
-def _part(record: Any, i: int, length: int | None, missing: frozenset[str]) -> Any:
+def _median(record: T) -> T:
+    """The medians of all; of a draw that is not foretold the median is not either."""
+
+    def middle(name: str, values: Array) -> Array:
+        if np.asarray(values).dtype == bool:
+            share = np.mean(values, axis=0)
+            return share == 1 if name == "converged" else share > 0.5
+        median = np.median if name == "model_error" else np.nanmedian
+        return _over_draws(lambda x: median(x, axis=0), values)
+
+    return _changed(record, middle, 0)
+
+
+def _part(record: T, i: int, length: int | None, missing: frozenset[str]) -> T:
     """One of the records that `_joined` has joined."""
-    values: dict[str, Any] = {}
-    for f in dataclasses.fields(record):
-        value = getattr(record, f.name)
-        if "static" in f.metadata or value is None or f.name in missing:
-            values[f.name] = None if f.name in missing else value
-        elif f.name == "marks":
-            values[f.name] = ()
-        elif "quantity" in f.metadata:
-            values[f.name] = (
-                value[i]
-                if length is None or np.ndim(value) < 2
-                else value[i][..., :length]
-            )
-        else:
-            values[f.name] = (
-                value[i]
-                if isinstance(value, tuple)
-                else _part(value, i, length, frozenset())
-            )
-    return type(record)(**values)
+
+    def own(_: str, values: Array) -> Array:
+        cut = length is not None and np.ndim(values) > 1
+        return values[i][..., :length] if cut else values[i]
+
+    return _changed(record, own, i, missing)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -143,7 +144,7 @@ class AbstractCurve(Result):
                 self.typical(), ask, measured=measured, spread=self.band()
             )
         return self._draw(
-            draw_curve, DrawAsk(ax, style, title, label), measured=measured
+            partial(draw_curve, measured=measured), DrawAsk(ax, style, title, label)
         )
 
     def outcome(self) -> Iterator[tuple[str, str]]:
@@ -396,15 +397,17 @@ class FrictionCurve(AbstractCurve):
         mu = np.asarray(self.mu, dtype=float)
         unknown = np.full(mu.shape, np.nan)
 
-        def share(absolute: Any) -> np.ndarray:
+        def share(absolute: Array | float) -> np.ndarray:
             return np.asarray(absolute) / np.where(mu == 0, np.nan, np.abs(mu))
 
         again = self.again
 
-        def off(**one_way: float) -> np.ndarray | None:
+        def off(
+            shorter: float = 1.0, kelvin: float = 0.0, sampled: float = 0.0
+        ) -> np.ndarray | None:
             if again is None or isinstance(again, tuple):
                 return None
-            return again.mu(**one_way)
+            return again.mu(shorter, kelvin, sampled)
 
         fitted = FITTED in dict(self.inputs)
         yield Part(

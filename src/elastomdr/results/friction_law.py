@@ -143,14 +143,19 @@ class FrictionLaw(Tree):
         """Which points of `mu` lie beyond the range of the rubber; None: not known."""
         return where(self.marks, "extrapolated")
 
-    def doubts_at(self, **place: ArrayLike) -> tuple[Doubt, ...]:
+    def doubts_at(
+        self,
+        velocity: ArrayLike,
+        temperature: ArrayLike | None = None,
+        pressure: ArrayLike | None = None,
+    ) -> tuple[Doubt, ...]:
         """The doubts of mu at such velocities, temperatures and pressures: those of any
         point that it is interpolated from.
         """
 
-        def there(points: Any) -> Any:
+        def there(points: Array) -> Array:
             share = FrictionLaw(mu=1.0 * points, **self.axes())
-            return stop_gradient(share(**place) > 0)
+            return stop_gradient(share(velocity, temperature, pressure) > 0)
 
         return carried(self.marks, there)
 
@@ -395,8 +400,8 @@ def gridded(
 
 
 def _between(
-    axis: Any, value: Any, scale: Callable[..., Any]
-) -> tuple[tuple[Any, Any], ...]:
+    axis: Array, value: Array, scale: Callable[[Array], Array]
+) -> tuple[tuple[Array, Array], ...]:
     """Index and weight of the points on either side of a value; of the one point of a
     short axis.
     """
@@ -584,7 +589,7 @@ def _fric_coef(law: FrictionLaw, units: str) -> Iterator[str]:
     )
 
 
-def _data(name: str, values: Any) -> Iterator[str]:
+def _data(name: str, values: Array) -> Iterator[str]:
     """DATA statements of three numbers each, which fit into 72 columns."""
     for start in range(0, len(values), 3):
         values_of_row = values[start : start + 3]

@@ -40,6 +40,7 @@ from .words import in_unit, in_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.typing import ColorType
 
     from .._types import ArrayLike
     from .base import Band, Result
@@ -442,18 +443,20 @@ def draw_dissipation(result: Result, ask: DrawAsk) -> Axes:
 
 
 def draw_friction_spectrum(
-    result: FrictionSpectrum, ask: DrawAsk, colour: str | None = None
+    result: FrictionSpectrum, ask: DrawAsk, colour: ColorType | None = None
 ) -> Axes:
     """Draws the part of mu per decade of frequency as steps: the area under a line is
     its friction coefficient.
     """
+    from matplotlib.colors import to_hex
+
     sketch = ResultSketch(result, ask)
     half, limits = np.sqrt(result.width), []
     highest = np.nanmax(sketch.fields["mu"], initial=0.0)
     for line in sketch.lines():
         edges = np.append(line.x / half, line.x[-1] * half)
         x, y = np.repeat(edges, 2)[1:-1], np.repeat(line.y / np.log10(result.width), 2)
-        only = colour if len(sketch.curves) == 1 else None
+        only = to_hex(colour) if colour and len(sketch.curves) == 1 else None
         sketch.add(
             Trace(x, y, line.curve.label, colour=only or line.colour, is_curve=True)
         )

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -112,7 +113,8 @@ class FrictionSpectrum(Result):
         from .plotting import DrawAsk
 
         return self._draw(
-            draw_friction_spectrum, DrawAsk(ax, style, title, label), colour=colour
+            partial(draw_friction_spectrum, colour=colour),
+            DrawAsk(ax, style, title, label),
         )
 
     def outcome(self) -> Iterator[tuple[str, str]]:

@@ -1,10 +1,15 @@
 """Numbers, shapes and arrays in words, with the units an engineer would write."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..checks import is_traced, significant
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike
 
 _SHAPE_UNITS = {"radius": " m", "length": " m"}
 # what one SI unit is in them
@@ -46,7 +51,7 @@ def covers_in_words(body: Any) -> tuple[str, ...]:
     )
 
 
-def brief(array: Any, unit: str) -> str:
+def brief(array: ArrayLike, unit: str) -> str:
     """A number with its unit, or the range of an array and how many values it has."""
     if is_traced(array):
         return "traced"
@@ -69,7 +74,7 @@ def length_in_words(metres: float) -> str:
     return f"{metres / size:.4g} {unit}"
 
 
-def in_unit(values: Any, unit: str) -> np.ndarray:
+def in_unit(values: ArrayLike, unit: str) -> np.ndarray:
     """SI values in the unit of a figure's axis."""
     return (
         np.asarray(values) - 273.15
@@ -104,7 +109,7 @@ def in_words(name: str, value: float, unit: str = "N") -> str:
     return f"{significant(value)} {'m/s' if name == 'velocity' else unit}"
 
 
-def span(values: Any, unit: str = "") -> str:
+def span(values: ArrayLike, unit: str = "") -> str:
     """The range of an array in words, one number where it is one; NaN is not looked
     at.
     """

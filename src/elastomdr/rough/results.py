@@ -5,6 +5,7 @@ surface pressed into rubber.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -212,7 +213,8 @@ class RoughContact(Result):
         from ..results.plotting import DrawAsk
 
         return self._draw(
-            draw_rough_contact, DrawAsk(ax, style, title, label), x=against, y=show
+            partial(draw_rough_contact, x=against, y=show),
+            DrawAsk(ax, style, title, label),
         )
 
     def outcome(self) -> Iterator[tuple[str, str]]:

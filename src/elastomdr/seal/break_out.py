@@ -13,6 +13,7 @@ less than steady sliding.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -117,7 +118,9 @@ class BreakOut(Result):
         from ..results.plot_curves import draw_break_out
         from ..results.plotting import DrawAsk
 
-        return self._draw(draw_break_out, DrawAsk(ax, style, title, label), y=show)
+        return self._draw(
+            partial(draw_break_out, y=show), DrawAsk(ax, style, title, label)
+        )
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The ranges of the coefficient and of the real contact."""

@@ -204,7 +204,7 @@ class Leak(Result):
         names = ("time", "pressure", "pressure_drop")
         x = max(names, key=lambda name: counts.get(name, int(name == "pressure")))
         ask = DrawAsk(ax, style, title, label)
-        drawn = self._draw(draw, ask, x=x, y=show, also=band)
+        drawn = self._draw(partial(draw, x=x, y=show, also=band), ask)
         logarithmic_if_wide(drawn, getattr(self, show), _LOG_RATIO)
         return drawn
 

@@ -218,7 +218,9 @@ class Lubricated(Result):
                     "band: liquid in closed channels stays or leaves"
                 )
 
-        return self._draw(draw, DrawAsk(ax, style, title, label), y=show, also=band)
+        return self._draw(
+            partial(draw, y=show, also=band), DrawAsk(ax, style, title, label)
+        )
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The ranges of friction, film and flow."""

@@ -30,6 +30,7 @@ measured); K. L. Johnson, Contact Mechanics (1985), section 5.6.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
@@ -192,7 +193,7 @@ class ORing(Result):
         from ..results.plotting import DrawAsk, draw
 
         x = "time" if any(axis.name == "time" for axis in self.axes()) else "squeeze"
-        return self._draw(draw, DrawAsk(ax, style, title, label), x=x, y=show)
+        return self._draw(partial(draw, x=x, y=show), DrawAsk(ax, style, title, label))
 
     def pressure_at(self, x: ArrayLike) -> Array:
         """Pressure [Pa] at distances x [m] from the middle of the contact, the last

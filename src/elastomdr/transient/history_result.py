@@ -1,6 +1,7 @@
 """Motions in time: what `em.slide`, `em.drive` and `em.shear` return."""
 
 from collections.abc import Iterator
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -335,7 +336,7 @@ class Slide(_OverSurface):
             raise InputError(f"against must be 'time' or 'position', got {against!r}.")
         from ..results.plotting import DrawAsk, draw
 
-        return self._draw(draw, DrawAsk(ax, style, title, label), x=against)
+        return self._draw(partial(draw, x=against), DrawAsk(ax, style, title, label))
 
     def png(
         self, title: str | None = None, style: "Style | None" = None, **options: Any
@@ -515,7 +516,7 @@ class Drive(_OverSurface):
         self._check_shown(show, *fields)
         from ..results.plotting import DrawAsk, draw
 
-        return self._draw(draw, DrawAsk(ax, style, title, label), y=show)
+        return self._draw(partial(draw, y=show), DrawAsk(ax, style, title, label))
 
 
 @record
