@@ -333,15 +333,8 @@ def recognised(folder: Folder, name: str) -> Content:
     """What a dropped file is, as far as its reader can tell: a spectrum, else a
     topography.
     """
-    path = folder.path / name
     try:
-        em.read_spectrum(path, convention="2d")
-        return {"shape": "spectrum", "file": name}
+        em.read_spectrum(folder.path / name, convention="2d")
     except InputError:
-        pass
-    try:
-        em.read_surface(path)
         return {"shape": "file", "file": name}
-    except InputError as error:
-        heights = error.argument in ("pixel_size", "unit")
-        return {"shape": "file" if heights else "spectrum", "file": name}
+    return {"shape": "spectrum", "file": name}
