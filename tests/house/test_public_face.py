@@ -50,7 +50,6 @@ DEFENDED = {
     "Result.interactive(options)",
     "Result.png(options)",
     "Slide.png(options)",
-    "MaterialFit.info()",  # texts, numbers and tables, as in a material file
     "save_material(info)",
     "calibrate(scene)",  # any other argument of the verb
     "sweep(fixed)",
