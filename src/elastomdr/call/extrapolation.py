@@ -30,7 +30,7 @@ _FAR = 10.0
 
 
 def told(
-    known: Range | None, points: Any, findings: str = "", quiet: bool = False
+    known: Range | None, points: Array, findings: str = "", quiet: bool = False
 ) -> tuple[Doubt, ...]:
     """The doubts of points that use a material beyond its range, and of a material whose
     moduli are illustrative; with a warning, unless `quiet` or the range is an assumption
@@ -46,7 +46,7 @@ def told(
     return extrapolated, *illustrative(known, np.shape(points))
 
 
-def pressed_too_hard(pressure: Any, modulus: Any) -> tuple[Doubt, ...]:
+def pressed_too_hard(pressure: Array, modulus: Array) -> tuple[Doubt, ...]:
     """Where a pressure exceeds the modulus of the rubber under it; with a warning where
     it does so by far, since it may be meant in another unit.
     """
@@ -72,7 +72,7 @@ def pressed_too_hard(pressure: Any, modulus: Any) -> tuple[Doubt, ...]:
 
 
 def beyond_sweep(
-    points: Any, known: Range | None, strains: str = ""
+    points: Array, known: Range | None, strains: str = ""
 ) -> tuple[Doubt, ...]:
     """The doubt of points that strain the material more than its sweep of strains did,
     by which `strains` in words; none of a material of which nothing is known and
@@ -110,7 +110,7 @@ def _looked_at(*values: Any) -> tuple[Any, bool, bool]:
 
 
 def steady_beyond(
-    known: Range | None, reduced: Any, size: Any, temperature: Any
+    known: Range | None, reduced: Any, size: Array | float, temperature: Any
 ) -> tuple[Doubt, ...]:
     """Passages at the velocities `reduced` = v a_T [m/s] of contacts of half the length
     `size` [m].
@@ -159,7 +159,7 @@ def held_beyond(
 def excited_outside(
     known: Range | None,
     surface: RoughLine | AbstractSpectrum,
-    reduced: Any,
+    reduced: Array,
     factor: Callable[[Any], Any] | None = None,
 ) -> Float[Array, "..."] | None:
     """Share of the mean square slope that is excited, at q v a_T, beyond the
@@ -200,10 +200,10 @@ def excited_outside(
 
 def rough_beyond(
     known: Range | None,
-    outside: Any,
-    temperature: Any,
+    outside: Array | None,
+    temperature: Array | None,
     shape: tuple[int, ...],
-    rise: Any = 0.0,
+    rise: Array | float = 0.0,
 ) -> tuple[Doubt, ...]:
     """Points where more than a tenth of the slope is excited `outside`, or at a
     temperature that was not measured, with the `rise` [K] by friction or without it.

@@ -74,7 +74,7 @@ class SteadyScene(NamedTuple):
     traced: bool
     direction: Any = None  # of sliding, to the lay of a surface [rad], or None
 
-    def full(self, array: Any) -> Any:
+    def full(self, array: Array | float | None) -> Any:
         """`array` in the broadcast shape; None stays None."""
         return (
             None
@@ -184,7 +184,7 @@ def check_carries(foundation: Any) -> None:
         )
 
 
-def _check_shift(temperature: Any, velocity: Any, factor: Any) -> None:
+def _check_shift(temperature: Array, velocity: Array, factor: Array | float) -> None:
     with np.errstate(over="ignore", invalid="ignore"):
         temperature, reduced = np.broadcast_arrays(
             temperature, velocity * np.asarray(factor)
@@ -199,7 +199,7 @@ def _check_shift(temperature: Any, velocity: Any, factor: Any) -> None:
         )
 
 
-def hint_at_metres(shape: Any) -> None:
+def hint_at_metres(shape: object) -> None:
     """Warns of a ball of more than two metres in radius."""
     if (
         not isinstance(shape, (Sphere, Paraboloid))

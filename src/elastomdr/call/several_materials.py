@@ -87,7 +87,11 @@ def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
 
 
 def _arguments(
-    i: int, material: Sequence[Any], shape: Any, args: Any, kwargs: dict[str, Any]
+    i: int,
+    material: Sequence[Any],
+    shape: object,
+    args: tuple[Any, ...],
+    kwargs: dict[str, Any],
 ) -> tuple[tuple[Any, ...], dict[str, Any]]:
     """Those of the call for one material, and for one surface where these are drawn."""
     others = args[1:]

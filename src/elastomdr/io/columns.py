@@ -3,10 +3,11 @@ what a user says instead.
 """
 
 import functools
+import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -194,7 +195,7 @@ class Understood(NamedTuple):
 
 
 def understand_table(
-    columns: Mapping[str, Any] | None,
+    columns: Mapping[str, str | int] | None,
     table: TitledTable,
     quantities: tuple[ColumnKind, ...],
 ) -> Understood:
@@ -214,7 +215,7 @@ def understand_table(
 
 
 def named_columns(
-    columns: Mapping[str, Any] | None,
+    columns: Mapping[str, str | int] | None,
     table: TitledTable,
     quantities: tuple[ColumnKind, ...],
 ) -> tuple[dict[str, Column], dict[str, float]]:
@@ -460,10 +461,10 @@ class ColumnsRead(NamedTuple):
 
 
 def read_columns(
-    path: Any,
+    path: str | os.PathLike[str],
     quantities: tuple[ColumnKind, ...],
     required: Sequence[str],
-    columns: Any,
+    columns: Mapping[str, str | int] | None,
     units: Mapping[str, str],
     log: str = "",
 ) -> ColumnsRead:
@@ -507,7 +508,7 @@ def read_columns(
     return ColumnsRead(table, chosen, values, bad)
 
 
-def checked_units(**given: Any) -> dict[str, str]:
+def checked_units(**given: str | None) -> dict[str, str]:
     """The units that a user gives, by kind. Raises `InputError` for what is none of its
     kind.
     """

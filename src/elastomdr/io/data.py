@@ -4,9 +4,9 @@ come from.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -337,16 +337,16 @@ def _columns(measurement: Dma, differ: bool) -> tuple[str, ...]:
     )
 
 
-def _each(lists: Any) -> tuple[str, ...]:
+def _each(lists: Iterable[Iterable[str]]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(line for texts in lists for line in texts))
 
 
-def _kind(kind: Any) -> Kind:
+def _kind(kind: Kind) -> Kind:
     one_of("kind", kind, *KINDS)
     return kind
 
 
-def _positive(name: str, values: Any) -> np.ndarray:
+def _positive(name: str, values: ArrayLike) -> np.ndarray:
     array = np.atleast_1d(as_float64(name, values))
     if array.ndim != 1 or array.size == 0:
         raise InputError(
@@ -368,7 +368,7 @@ def _same(name: str, values: np.ndarray, other: str, others: np.ndarray) -> None
         )
 
 
-def _temperatures(value: Any, like: np.ndarray) -> np.ndarray:
+def _temperatures(value: ArrayLike, like: np.ndarray) -> np.ndarray:
     array = _positive("temperature", value)
     in_kelvin("temperature", array, COLDEST)
     if array.size == 1:
@@ -514,7 +514,7 @@ def describe_list(
     return f"{body} {unit}"
 
 
-def lists(names: tuple[str, ...], values: tuple[Any, ...]) -> list[np.ndarray]:
+def lists(names: Sequence[str], values: Sequence[ArrayLike | None]) -> list[np.ndarray]:
     """Values that go together as lists of one length, all positive, or empty where none
     is given.
     """

@@ -164,12 +164,12 @@ class _Options(NamedTuple):
     """What a user says of files."""
 
     kind: Kind | None
-    columns: Mapping[str, Any] | None
+    columns: Mapping[str, str | int] | None
     units: dict[str, str]  # by kind
     specimen: Specimen
 
 
-def _checked_sources(path_or_paths: Any) -> list[Any]:
+def _checked_sources(path_or_paths: object) -> list[Any]:
     """Files or tables in memory. Raises `InputError`."""
     sources = [path_or_paths] if _is_source(path_or_paths) else path_or_paths
     if (
@@ -191,11 +191,13 @@ def _checked_sources(path_or_paths: Any) -> list[Any]:
     return list(sources)
 
 
-def _is_source(value: Any) -> bool:
+def _is_source(value: object) -> bool:
     return isinstance(value, (str, os.PathLike)) or is_frame(value)
 
 
-def _specimen(area: Any, length: Any, ramp: Any, storage_only: Any) -> Specimen:
+def _specimen(
+    area: float | None, length: float | None, ramp: float | None, storage_only: bool
+) -> Specimen:
     given = {"area": area, "length": length, "ramp": ramp}
     numbers = {
         name: None if value is None else float(plain(name, value))
@@ -209,7 +211,7 @@ def _specimen(area: Any, length: Any, ramp: Any, storage_only: Any) -> Specimen:
     )
 
 
-def _read(source: Any, options: _Options, unmet: dict[str, Any]) -> list[Dma]:
+def _read(source: Any, options: _Options, unmet: dict[str, str | int]) -> list[Dma]:
     """Each isotherm of a file, or of a table in memory, as a measurement; the
     temperature is NaN where the file has none.
 

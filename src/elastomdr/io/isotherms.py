@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from .data import COLDEST, Dma, describe_list, in_strain_sweep, untold
 from .quantities import QUANTITIES, lacking
 from .sheets import Row
 from .tables import Head, TitledTable, refuse_many
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike
 
 _STEP = (
     r"(step|schritt|segment|interval|intervall|block|set|sweep|(mess)?abschnitt)"
@@ -73,7 +76,7 @@ _CONDITION_ROLES = ("frequency", "temperature", "time")
 
 
 def isotherms(
-    table: TitledTable, columns: Mapping[str, Any] | None
+    table: TitledTable, columns: Mapping[str, str | int] | None
 ) -> list[TitledTable]:
     """The isotherms in a table, each with the temperature that stands in its titles or
     above it; of those side by side only the ones with all the columns that the user
@@ -388,7 +391,9 @@ def _with_temperature(measurement: Dma, temperature: float, source: str) -> Dma:
     return replace(measurement.at(temperature), columns=columns)
 
 
-def with_given_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
+def with_given_temperatures(
+    parts: list[Dma], temperature: ArrayLike | None
+) -> list[Dma]:
     """The measurements with the temperatures that the user gives to those without.
     Raises `InputError` for as many as do not fit.
     """

@@ -70,7 +70,7 @@ def read_sheet(path: str | os.PathLike[str]) -> Sheet:
     return cut(name, decode(raw, name))
 
 
-def is_frame(value: Any) -> bool:
+def is_frame(value: object) -> bool:
     """Whether a value is a table of pandas or polars, or of a package that is like
     them.
     """
@@ -122,7 +122,7 @@ def _column(column: Any) -> np.ndarray:
     return column.to_numpy()
 
 
-def _frame_cell(value: Any) -> str:
+def _frame_cell(value: object) -> str:
     if isinstance(value, (int, float, np.number)):
         return "" if np.isnan(value) else repr(float(value))
     return "" if value is None else str(value).strip()[:_LONGEST_CELL]

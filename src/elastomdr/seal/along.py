@@ -112,7 +112,7 @@ class SealFlow(NamedTuple):
     profile: AlongSeal | None
 
 
-def _bounds(flow: Any, model_error: Any) -> tuple[Any, Any]:
+def _bounds(flow: Array, model_error: Array | None) -> tuple[Any, Any]:
     """Least and largest w in three dimensions by the rows, in which pressure falls: no
     contact lets more through than under less pressure.
     """
@@ -126,7 +126,7 @@ def _bounds(flow: Any, model_error: Any) -> tuple[Any, Any]:
     return xp.where(known, flow / factor, 0.0), most.min(axis=1)
 
 
-def _within(through: Any, least: Any, most: Any) -> Any:
+def _within(through: Array, least: Array, most: Array) -> Any:
     """The factor less one within which a flow is, of its bounds."""
     flows = through > 0
     through, known = xp.where(flows, through, 1.0), flows & (least > 0)
@@ -162,7 +162,7 @@ def _rule(count: int) -> _ClenshawCurtis:
     )
 
 
-def _asked(pressed: PressedSeal, relative_pressure: Any) -> GapFlow:
+def _asked(pressed: PressedSeal, relative_pressure: Array) -> GapFlow:
     """The model's answers at pressures over E* (rows, ...), in their shape."""
     rows, *dims = relative_pressure.shape
     flat = relative_pressure.reshape(rows, -1)
@@ -193,7 +193,12 @@ class _EvenSeal(NamedTuple):
 
 @compiled("count")
 def _line(
-    count: int, pressure: Any, dry: Any, drop: Any, fluid: Fluid, closed: Any
+    count: int,
+    pressure: Array,
+    dry: Array,
+    drop: Array,
+    fluid: Fluid,
+    closed: Array | float,
 ) -> _EvenSeal:
     """Where contact is asked for, of `count` nodes; `dry` is p/E*."""
     shape = np.broadcast_shapes(*map(np.shape, (dry, drop, *fluid)))
@@ -221,7 +226,12 @@ class _Whole(NamedTuple):
 
 @compiled()
 def _whole(
-    line: _EvenSeal, fluid: Fluid, flow: Any, slip: Any, error: Any, model_error: Any
+    line: _EvenSeal,
+    fluid: Fluid,
+    flow: Array,
+    slip: Array | None,
+    error: Array,
+    model_error: Array | None,
 ) -> _Whole:
     """Of the answers of a model at the nodes of a line."""
     rule, rows = _rule(len(flow)), (-1, *(1,) * (flow.ndim - 1))
@@ -231,7 +241,7 @@ def _whole(
     faint = line.falls * xp.where(open_, xp.where(open_, flow, 1.0) ** (2 / 3), 0.0)
     flux = viscous + fluid.path * (6 * faint if slip is None else line.falls * slip)
 
-    def over(values: Any) -> Any:
+    def over(values: Array) -> Any:
         return (weights * values).sum(0)
 
     through = over(flux)
@@ -252,7 +262,7 @@ def _whole(
     )
 
 
-def even(pressed: PressedSeal, pressure: Any, length: Any) -> SealFlow:
+def even(pressed: PressedSeal, pressure: Array, length: Array) -> SealFlow:
     """A seal that is pressed evenly."""
     model, fluid = pressed.model, pressed.fluid
     closed = stop_gradient(closing_pressure(model.closes) * pressed.surface.rms_slope)

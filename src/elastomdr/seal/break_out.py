@@ -171,7 +171,8 @@ def break_out(
     Not counted: hysteresis; the interlocking that `em.slide` finds on a line estimates
     it from above. Differentiable. Source: `docs/seal.md`.
     """
-    foundation = pressed_bodies(material, surface, time)
+    solid: Any = material  # `over_materials` has taken a list apart
+    foundation = pressed_bodies(solid, surface, time)
     chosen: Any = as_model(model, _KINDS) or Multiscale()
     if chosen.label not in _KINDS:
         raise InputError(
@@ -228,7 +229,7 @@ class _RealContact(NamedTuple):
 
 
 def _contact(
-    model: Multiscale | Persson, surface: AbstractSpectrum, relative_pressure: Any
+    model: Multiscale | Persson, surface: AbstractSpectrum, relative_pressure: Array
 ) -> _RealContact:
     """The contact of an elastic body at pressures over its E*."""
     one, flat = Foundation(1.0, [], []), relative_pressure.ravel()
@@ -245,7 +246,9 @@ def _contact(
     return _RealContact(*(xp.reshape(x, relative_pressure.shape) for x in numbers))
 
 
-def _checked_shear(shear: Any, temperature: Any) -> AdhesiveShear:
+def _checked_shear(
+    shear: float | AdhesiveShear, temperature: ArrayLike | None
+) -> AdhesiveShear:
     """The shear of the real contact as a law. Raises `InputError`."""
     if not isinstance(shear, AdhesiveShear):
         stress = as_float64("boundary_shear", shear)

@@ -31,13 +31,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import one_thread
+from ..arrays import Array, one_thread
 from ..checks import is_traced
 from ..errors import InputError
 from ..rough.half_space import area_of, solve, waves
 from ..rough.random_maps import MapGrid, grid_of
 from ..surface.lay import lay_of
-from ..surface.spectrum import rough_map
+from ..surface.spectrum import AbstractSpectrum, rough_map
 from ..surface.topography import skewness_of
 from .channels import GapFlow
 from .leak_form import of_heights, of_skewness
@@ -55,7 +55,7 @@ class FlowOnMap(NamedTuple):
 
 
 @one_thread()
-def flow(gap: Any) -> FlowOnMap:
+def flow(gap: Array) -> FlowOnMap:
     """Flow through a periodic map of gaps [m] in square cells, closed where they are
     zero.
     """
@@ -73,7 +73,7 @@ def flow(gap: Any) -> FlowOnMap:
     return FlowOnMap((along[0], along[1]), (through[0], through[1]), (slip[0], slip[1]))
 
 
-def effective_medium(shares: Any, flows: Any, n: float) -> float:
+def effective_medium(shares: Array, flows: Array, n: float) -> float:
     """w of a medium of parts with `flows` w_i [m^3], of which `shares` f_i are there.
 
         sum f_i (w_i - w)/(w_i + (n - 1) w) = 0
@@ -99,7 +99,7 @@ def effective_medium(shares: Any, flows: Any, n: float) -> float:
     return float(largest * np.exp(root))
 
 
-def channels(is_open: Any) -> tuple[np.ndarray, dict[int, tuple[int, int]]]:
+def channels(is_open: Array) -> tuple[np.ndarray, dict[int, tuple[int, int]]]:
     """The pools of open cells, numbered, 0 where closed; and of those that lead through
     the map how often a way goes around it along each axis.
 
@@ -159,7 +159,7 @@ class _Faces(NamedTuple):
     there: Any  # and behind it
 
 
-def _faces(cube: Any, number: Any) -> Iterator[_Faces]:
+def _faces(cube: Array, number: Array) -> Iterator[_Faces]:
     for axis in (0, 1):
         beyond = np.roll(cube, -1, axis)
         total = np.maximum(cube + beyond, 1e-300)
@@ -174,7 +174,7 @@ def _faces(cube: Any, number: Any) -> Iterator[_Faces]:
         yield _Faces(mean[open_], slip[open_], number[open_], following[open_])
 
 
-def _fluxes(cube: Any, pools: Any, inside: Any) -> list[tuple[float, float]]:
+def _fluxes(cube: Array, pools: Array, inside: Array) -> list[tuple[float, float]]:
     """Mean flux along either axis under a pressure that falls by one per cell, and its
     change by slip; `cube` is g^3, not zero in the cells `inside` alone.
 
@@ -237,7 +237,7 @@ class PressedMap(NamedTuple):
 
 
 def pressed(
-    heights: Any, side: float, relative_pressure: float, start: Any = None
+    heights: Any, side: float, relative_pressure: float, start: np.ndarray | None = None
 ) -> PressedMap:
     """Periodic `heights` [m], positive into the rubber, on a square of `side` [m] under
     a mean pressure over E* of `relative_pressure`; `start` are the pressures of a
@@ -263,12 +263,12 @@ def pressed(
     return PressedMap(gap, area_of(touches), contact.pressure, contact.settled)
 
 
-def _one(omega: Any) -> Any:
+def _one(omega: Array) -> Any:
     """E* at every frequency: what counts is the pressure over it."""
     return np.ones(np.shape(omega), complex)
 
 
-def narrowest(gap: Any) -> float:
+def narrowest(gap: Array) -> float:
     """The gap at the narrowest place of the widest channel [m], the mean of both axes;
     NaN where none leads through along either.
     """
@@ -291,9 +291,9 @@ def narrowest(gap: Any) -> float:
 def leak(
     cells: int | None,
     periods: int | None,
-    seeds: Any,
-    surface: Any,
-    relative_pressure: Any,
+    seeds: tuple[int, ...],
+    surface: AbstractSpectrum,
+    relative_pressure: Array,
     direction: float | None,
 ) -> GapFlow:
     """The answers of `em.HalfSpace` at pressures over E*, (rows, points).
@@ -371,7 +371,7 @@ def _mean_of_open(gaps: np.ndarray) -> np.ndarray:
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
-def _of_cells(area: np.ndarray, surface: Any, grid: MapGrid) -> np.ndarray:
+def _of_cells(area: np.ndarray, surface: AbstractSpectrum, grid: MapGrid) -> np.ndarray:
     """How much less a map leaks than on ever finer cells, relative."""
     per_wave = grid.cells * surface.q_low / (grid.periods * surface.q_high)
     near = -np.log(1 - np.minimum(area, _SURE) / _CLOSES)

@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import xp
+from ..arrays import Array, xp
 from ..checks import require
 from ..errors import InputError
 from ..material.shift import GAS_CONSTANT
@@ -72,7 +72,7 @@ def check_gas(given: dict[str, Any]) -> None:
         )
 
 
-def check_absolute(name: str, value: Any) -> None:
+def check_absolute(name: str, value: Array) -> None:
     """Raises `InputError` for a pressure that can only be meant over the
     atmosphere's.
     """
@@ -93,7 +93,7 @@ def gas_of(given: dict[str, Any]) -> Fluid:
     return Fluid(1 / outlet, path)
 
 
-def bound(model_error: Any, knudsen: Any) -> Any:
+def bound(model_error: Array | None, knudsen: Array) -> Any:
     """`model_error` of a liquid with all of the slip as uncertain, or 0 for maps
     (None), of which each gap slips; NaN where the gas no more slips than flies.
     """

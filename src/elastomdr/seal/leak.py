@@ -56,7 +56,7 @@ from .channels import Channels
 from .gas import check_absolute, check_gas
 from .leak_theories import CriticalConstriction, EffectiveMedium, LeakTheory
 from .o_ring import ORing, check_rubber
-from .pressure_profile import pressure_profile
+from .pressure_profile import Profile, pressure_profile
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -416,7 +416,8 @@ def leak(
         check_rubber(material, o_ring)
         time = _of_ring("time", time, o_ring.time)
         temperature = _of_ring("temperature", temperature, o_ring.temperature)
-    foundation = pressed_bodies(material, surface, time)
+    solid: Any = material  # `over_materials` has taken a list apart
+    foundation = pressed_bodies(solid, surface, time)
     chosen = _channels(model)
     seal = _seal(pressure, profile, o_ring, length)
     given = _checked(
@@ -469,7 +470,7 @@ def leak(
     )
 
 
-def _angle(direction: Any) -> float:
+def _angle(direction: float) -> float:
     """The direction of the flow [rad]. Raises `InputError`."""
     if is_traced(direction):
         raise InputError(
@@ -492,7 +493,12 @@ class _Seal(NamedTuple):
     said: str = ""
 
 
-def _seal(pressure: Any, profile: Any, ring: ORing | None, length: Any) -> _Seal:
+def _seal(
+    pressure: ArrayLike | None,
+    profile: Profile | None,
+    ring: ORing | None,
+    length: ArrayLike | None,
+) -> _Seal:
     """The one that is given of the three. Raises `InputError`."""
     only_one(pressure=pressure, profile=profile, o_ring=ring)
     if pressure is not None:
@@ -512,14 +518,14 @@ def _seal(pressure: Any, profile: Any, ring: ORing | None, length: Any) -> _Seal
     _check_length(length, whole, "the profile")
     mean = float(np.sum(0.5 * (p[1:] + p[:-1]) * np.diff(x))) / whole
 
-    def between(parts: Any) -> Any:
+    def between(parts: Array) -> Any:
         return np.interp(x[0] + whole * parts, x, p)
 
     said = f"{x.size} points, of {brief(p.max(), 'Pa')} at most"
     return _Seal(mean, whole, float(p.max()), float(x[0]), between, said)
 
 
-def _of_hertz(ring: ORing, length: Any) -> _Seal:
+def _of_hertz(ring: ORing, length: ArrayLike | None) -> _Seal:
     """Hertz' ellipse, and what the fluid of the ring adds, everywhere."""
     _check_length(length, ring.width, "the O-ring")
     added: Any = 0.0
@@ -545,7 +551,7 @@ def _check_length(length: Any, known: Any, whose: str) -> None:
         )
 
 
-def _of_ring(name: str, value: Any, of_ring: Any) -> Any:
+def _of_ring(name: str, value: ArrayLike | None, of_ring: Array | None) -> Any:
     """Time or temperature of an O-ring. Raises `InputError` where another is given."""
     if value is None or of_ring is None:
         return of_ring if value is None else value
@@ -608,7 +614,9 @@ def _model_in_words(given: dict[str, Any], flow: SealFlow) -> str:
     return flow.said + (gas.SAID_OF_MAPS if flow.slips_by_itself else gas.SAID)
 
 
-def pressed_bodies(material: Any, surface: Any, time: Any) -> Foundation:
+def pressed_bodies(
+    material: Material, surface: AbstractSpectrum, time: ArrayLike | None
+) -> Foundation:
     """The foundation of rubber that is pressed on a rough surface. Raises
     `InputError`.
     """
@@ -632,7 +640,7 @@ def pressed_bodies(material: Any, surface: Any, time: Any) -> Foundation:
 _CHECKS = {"outlet_pressure": check_absolute, "mean_free_path": not_negative}
 
 
-def _checked(arguments: dict[str, Any], peak: Any) -> dict[str, Any]:
+def _checked(arguments: dict[str, Any], peak: ArrayLike) -> dict[str, Any]:
     """The arguments as arrays. Raises `InputError`."""
     given: dict[str, Any] = dict.fromkeys(arguments)
     for name, value in arguments.items():
@@ -671,7 +679,9 @@ def _take_viscosity(given: dict[str, Any]) -> None:
     given["viscosity"] = kinematic * given["density"]
 
 
-def softness(foundation: Foundation, time: Any, temperature: Any) -> tuple[Any, Any]:
+def softness(
+    foundation: Foundation, time: Array | None, temperature: Array | None
+) -> tuple[Any, Any]:
     """1/E* [1/Pa] of rubber that a pressure has acted on for a time, and a_T."""
     factor, vertical = (
         (1.0, 1.0) if temperature is None else thermal_factors(foundation, temperature)
@@ -685,7 +695,7 @@ def softness(foundation: Foundation, time: Any, temperature: Any) -> tuple[Any, 
 
 
 def _fields(
-    given: dict[str, Any], flow: SealFlow, good: Any, shape: tuple[int, ...]
+    given: dict[str, Any], flow: SealFlow, good: Array, shape: tuple[int, ...]
 ) -> dict[str, Any]:
     """The numbers of the result."""
     outlet, model_error = given["outlet_pressure"], flow.model_error
@@ -762,7 +772,7 @@ def _heights_in_words(pressed: PressedSeal) -> list[str]:
 
 
 def _wide_by_heights(
-    pressed: PressedSeal, model_error: Any, good: Any
+    pressed: PressedSeal, model_error: Array | None, good: Array
 ) -> tuple[Doubt, ...]:
     """Where the bound is wide, of a surface whose lay or skewness is a part of it."""
     remarks = _heights_in_words(pressed)

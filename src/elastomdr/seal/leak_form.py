@@ -18,11 +18,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import namespace, stop_gradient, xp
+from ..arrays import Array, namespace, stop_gradient, xp
 from ..checks import is_traced, known
 from ..numerics.implicit import as_doubles, numbers_with_slopes
 from ..rough.psd_integrals import PER_DECADE, cell_counts, nodes
 from ..surface.lay import lay_of
+from ..surface.spectrum import AbstractSpectrum
 from ..surface.topography import skewness_of
 from .channels import GapFlow
 from .persson_gap import GapPoints, contact_of, critical_gap, mean_gap
@@ -60,7 +61,7 @@ _SKEWED, _MOST_SKEWED = (1.7, 3.2), 1.0
 _WORN = 0.4  # by how much less contact closes channels, over the skewness
 
 
-def gap_of(ideal: Any, form: LeakForm = FORM) -> Any:
+def gap_of(ideal: Array, form: LeakForm = FORM) -> Any:
     """The mean gap from that of Persson's theory, both over the rms height."""
     xp = namespace(ideal)
     open_ = ideal > 0
@@ -68,21 +69,21 @@ def gap_of(ideal: Any, form: LeakForm = FORM) -> Any:
     return xp.where(open_, gap, 0.0)
 
 
-def factor(gap: Any, area: Any, steep: Any, form: LeakForm = FORM) -> Any:
+def factor(gap: Array, area: Array, steep: Array, form: LeakForm = FORM) -> Any:
     """w over the cube of the mean gap, from that gap over the rms height, the real
     contact and D; zero where channels are closed.
     """
     return barely_touching(gap) * through(area, steep, form)
 
 
-def barely_touching(gap: Any) -> Any:
+def barely_touching(gap: Array) -> Any:
     """The flow factor of surfaces that hardly touch, by their gap over the rms height
     (Patir and Cheng).
     """
     return 1 - 0.9 * namespace(gap).exp(-0.56 * gap)
 
 
-def through(area: Any, steep: Any, form: LeakForm = FORM) -> Any:
+def through(area: Array, steep: Array, form: LeakForm = FORM) -> Any:
     """By what contact lowers the flow through the channels that it leaves open."""
     xp = namespace(area, steep)
     power = form.power * xp.clip(steep, *_STEEP) ** -form.leans
@@ -94,7 +95,7 @@ def through(area: Any, steep: Any, form: LeakForm = FORM) -> Any:
     )
 
 
-def log_bound(area: Any) -> Any:
+def log_bound(area: Array) -> Any:
     """Bound on |ln w/w_3D| for 95 % of the points of the maps; infinite near closing,
     where a map may be closed or not.
     """
@@ -102,14 +103,18 @@ def log_bound(area: Any) -> Any:
     return np.where(area < UNSURE, _LIGHT + _GROWTH * near**2, np.inf)
 
 
-def _near(area: Any, closes: Any) -> Any:
+def _near(area: Array, closes: Array | float) -> Any:
     """-ln(1 - A/a); infinite where a map may as well be closed."""
     part_closed = area / closes
     sure = part_closed < UNSURE / FORM.closes
     return np.where(sure, -np.log1p(-np.where(sure, part_closed, 0.0)), np.inf)
 
 
-def of_lay(log_peklenik: Any, area: Any, direction: float | None = None) -> Any:
+def of_lay(
+    log_peklenik: Array | float | np.floating,
+    area: Array,
+    direction: float | None = None,
+) -> Any:
     """Bound on |ln w/w_0| by a lay, w_0 being the flow without: along it more flows,
     across it less, and channels across close earlier. NaN beyond what was tried.
 
@@ -133,7 +138,7 @@ def of_lay(log_peklenik: Any, area: Any, direction: float | None = None) -> Any:
     return np.where(stretch <= np.log(_MOST_LAY), log, np.nan)
 
 
-def of_skewness(skewness: Any, area: Any) -> Any:
+def of_skewness(skewness: Array | float, area: Array) -> Any:
     """The same by a skewness of the heights: past worn summits less flows, past peaks
     more.
     """
@@ -143,7 +148,9 @@ def of_skewness(skewness: Any, area: Any) -> Any:
     return np.where(np.abs(skewness) <= _MOST_SKEWED, log, np.nan)
 
 
-def of_heights(surface: Any, area: Any, direction: float | None = None) -> Any:
+def of_heights(
+    surface: AbstractSpectrum, area: Array, direction: float | None = None
+) -> Any:
     """Both of a surface; zero of one that is isotropic and Gaussian."""
     log, lay = 0.0 * area, lay_of(surface)
     if lay is not None:
@@ -152,7 +159,9 @@ def of_heights(surface: Any, area: Any, direction: float | None = None) -> Any:
     return log + of_skewness(skewness, area) if skewness else log
 
 
-def bound(surface: Any, area: Any, direction: float | None = None) -> Any:
+def bound(
+    surface: AbstractSpectrum, area: Array, direction: float | None = None
+) -> Any:
     """w is within a factor of 1 + this of three dimensions, for 95 % of the points of
     the maps.
 
@@ -170,7 +179,9 @@ def bound(surface: Any, area: Any, direction: float | None = None) -> Any:
     )
 
 
-def leak(surface: Any, relative_pressure: Any, direction: float | None) -> GapFlow:
+def leak(
+    surface: AbstractSpectrum, relative_pressure: Array, direction: float | None
+) -> GapFlow:
     """The answers at pressures over E*, (rows, points)."""
     if is_traced(surface, relative_pressure):
         shared, points = as_doubles((surface, relative_pressure))
@@ -192,7 +203,7 @@ def leak(surface: Any, relative_pressure: Any, direction: float | None) -> GapFl
 
 
 def _numbers(
-    surface: Any, relative_pressure: Any, direction: float | None
+    surface: AbstractSpectrum, relative_pressure: Array, direction: float | None
 ) -> tuple[Any, ...]:
     """Flow, gap, area, critical gap of the first row, relative error of the flow and its
     bound.
@@ -219,7 +230,7 @@ def _numbers(
     return flow, gap, area, critical, error, model_error
 
 
-def _flow_and_gap(contacts: GapPoints, rms_height: Any) -> tuple[Any, Any]:
+def _flow_and_gap(contacts: GapPoints, rms_height: Array | float) -> tuple[Any, Any]:
     """w [m^3] and the mean gap [m]."""
     gap = gap_of(mean_gap(contacts) / rms_height)
     flow = gap**3 * factor(gap, contacts.area, contacts.steep)
@@ -234,14 +245,14 @@ def _with_slopes(
     area.
     """
 
-    def formula(surface: Any, relative_pressure: Any) -> tuple[Any, ...]:
+    def formula(surface: AbstractSpectrum, relative_pressure: Array) -> tuple[Any, ...]:
         flat = relative_pressure.ravel()
         contacts = contact_of(nodes(surface, _TRACED, counts=counts), flat)
         flow, gap = _flow_and_gap(contacts, (2 * np.pi * surface.moment(1)) ** 0.5)
         shape = relative_pressure.shape
         return tuple(x.reshape(shape) for x in (flow, gap, contacts.area))
 
-    def like(surface: Any, relative_pressure: Any) -> tuple[Any, ...]:
+    def like(surface: AbstractSpectrum, relative_pressure: Array) -> tuple[Any, ...]:
         each = (relative_pressure,) * 3
         return (*each, relative_pressure[0], *each[:2])
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import dataclasses
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -138,7 +138,7 @@ class EffectiveMedium(LeakTheory):
         return np.array([_medium(*one, closes=self.closes) for one in each])
 
 
-def _medium(shares: Any, gaps: Any, area: float, closes: float) -> float:
+def _medium(shares: Array, gaps: Array, area: float, closes: float) -> float:
     """w of the effective medium, from shares and gaps at all scales and the share in
     contact at the last.
     """

@@ -65,6 +65,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Style
+    from ..call.types import Material
     from ..element.law import Foundation
     from ..element.layer import Layer as LayerType
 
@@ -298,13 +299,14 @@ def lubricated(
             "em.lubricated cannot be called under jax.jit, grad or vmap: it "
             "searches with concrete numbers."
         )
+    solid: Any = material  # `over_materials` has taken a list apart
     scene = _checked(
-        material, shape, velocity, load, viscosity, temperature, time, rubber, surface
+        solid, shape, velocity, load, viscosity, temperature, time, rubber, surface
     )
     one_of("flow_factor", flow_factor, *_ROUGH)
     shear = _checked_shear(boundary_shear, surface, temperature)
     solved = [_Solved() for _ in range(scene.velocity.size)]
-    rough = None if surface is None else pressed(material, surface, flow_factor)
+    rough = None if surface is None else pressed(solid, surface, flow_factor)
     with one_thread():
         for points in scene.groups():
             for i, result in zip(
@@ -359,15 +361,15 @@ class _FilmScene(NamedTuple):
 
 
 def _checked(
-    material: Any,
-    shape: Any,
-    velocity: Any,
-    load: Any,
-    viscosity: Any,
-    temperature: Any,
-    time: Any,
-    rubber: Any,
-    surface: Any,
+    material: Material,
+    shape: Cylinder,
+    velocity: ArrayLike,
+    load: ArrayLike,
+    viscosity: ArrayLike,
+    temperature: ArrayLike | None,
+    time: ArrayLike | None,
+    rubber: str,
+    surface: AbstractSpectrum | None,
 ) -> _FilmScene:
     """The arguments, checked and broadcast. Raises `InputError`."""
     if not isinstance(shape, Cylinder):
@@ -418,7 +420,11 @@ def _checked(
     )
 
 
-def _checked_shear(shear: Any, surface: Any, temperature: Any) -> AdhesiveShear | None:
+def _checked_shear(
+    shear: float | AdhesiveShear | None,
+    surface: AbstractSpectrum | None,
+    temperature: ArrayLike | None,
+) -> AdhesiveShear | None:
     """The shear of the real contact as a law. Raises `InputError`."""
     if shear is None:
         return None

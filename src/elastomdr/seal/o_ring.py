@@ -315,7 +315,7 @@ def o_ring(
     )
 
 
-def _checked_material(material: Any) -> Prony:
+def _checked_material(material: object) -> Prony:
     """The material. Raises `InputError` for anything but a Prony series."""
     needs_series("material", material, "a squeezed cord")
     if not isinstance(material, Prony):
@@ -328,7 +328,11 @@ def _checked_material(material: Any) -> Prony:
 
 
 def _checked(
-    diameter: Any, squeeze: Any, time: Any, temperature: Any, largest: float
+    diameter: ArrayLike,
+    squeeze: ArrayLike,
+    time: ArrayLike | None,
+    temperature: ArrayLike | None,
+    largest: float,
 ) -> dict[str, Any]:
     """The arguments as arrays. Raises `InputError`."""
     arguments = {
@@ -353,7 +357,9 @@ def _checked(
 
 
 def _checked_groove(
-    given: dict[str, Any], fluid_pressure: Any, groove_width: Any
+    given: dict[str, Any],
+    fluid_pressure: ArrayLike | None,
+    groove_width: ArrayLike | None,
 ) -> dict[str, Any]:
     """Pressure of the fluid and width of the groove. Raises `InputError` for a groove
     that confines the cord, for which no formula holds.
@@ -379,7 +385,10 @@ def _checked_groove(
 
 
 def _with_fluid(
-    young_over_plane: Any, pressure: Any, given: dict[str, Any], further: dict[str, Any]
+    young_over_plane: Array,
+    pressure: Array,
+    given: dict[str, Any],
+    further: dict[str, Any],
 ) -> dict[str, Any]:
     """Sealing pressure and fill of the groove, where they are asked for; E/E* = 1 -
     nu^2.
@@ -396,7 +405,9 @@ def _with_fluid(
     return fields
 
 
-def _modulus(law: Relaxation, material: Prony, time: Any, temperature: Any) -> Any:
+def _modulus(
+    law: Relaxation, material: Prony, time: Array | None, temperature: Array | None
+) -> Any:
     """A modulus at a time and a temperature; relaxed without a time."""
     time_factor, vertical_factor = 1.0, 1.0
     if temperature is not None:
@@ -409,7 +420,7 @@ def _modulus(law: Relaxation, material: Prony, time: Any, temperature: Any) -> A
     return law.relaxation(time / time_factor) * vertical_factor
 
 
-def check_rubber(material: Any, ring: Any) -> None:
+def check_rubber(material: object, ring: object) -> None:
     """Raises `InputError` unless the material has the modulus that load and width of the
     ring tell, E* = 8 W d/(pi (2a)^2).
     """
@@ -436,7 +447,7 @@ def check_rubber(material: Any, ring: Any) -> None:
 
 
 def _load_and_width(
-    diameter: Any, squeeze: Any, young: Any, plane: Any, formula: str
+    diameter: Array, squeeze: Array, young: Array, plane: Array, formula: str
 ) -> tuple[Any, Any]:
     """W [N/m], and the width 2a = sqrt(8 W d/(pi E*)) [m]."""
     if formula == "lindley":
@@ -454,7 +465,7 @@ def _load_and_width(
     return load, width
 
 
-def _small_strain(squeeze: Any) -> Any:
+def _small_strain(squeeze: Array) -> Any:
     """W/(E* d) of two Hertzian contacts: both halves of the cord approach its middle by
     C d/2.
     """
@@ -467,7 +478,10 @@ def _small_strain(squeeze: Any) -> Any:
 
 
 def _extrapolated(
-    material: Prony, time: Any, temperature: Any, shape: tuple[int, ...]
+    material: Prony,
+    time: Array | None,
+    temperature: Array | None,
+    shape: tuple[int, ...],
 ) -> tuple[Doubt, ...]:
     """Which points lie outside the range of the material, with a warning."""
     time_factor = (

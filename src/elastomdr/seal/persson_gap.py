@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ..arrays import namespace
+from ..arrays import Array, namespace
 from ..numerics.quadrature import gauss
 from ..rough.multiscale import contact, rate_of
 from ..rough.psd_integrals import Nodes, integral_to, share
@@ -51,7 +51,7 @@ class GapPoints(NamedTuple):
     steep: Any  # dlog R/dlog q at q_high
 
 
-def contact_of(wave_nodes: Nodes, relative_pressure: Any) -> GapPoints:
+def contact_of(wave_nodes: Nodes, relative_pressure: Array) -> GapPoints:
     """The contact at many pressures p/E*, shape (points,)."""
     relative_pressure = relative_pressure[:, None, None]
     rate = rate_of(wave_nodes, _ALL_ROUND, relative_pressure)
@@ -80,7 +80,7 @@ def mean_gap(contacts: GapPoints) -> Any:
     return np.sqrt(np.pi) / contacts.relative_pressure[:, 0, 0] * each.sum((-2, -1))
 
 
-def gap_integral(x: Any) -> Any:
+def gap_integral(x: Array) -> Any:
     """J(x)."""
     xp = namespace(x)
     held = xp.minimum(x, _FAR)
@@ -95,7 +95,7 @@ def _inner() -> np.ndarray:
     nodes, weights = gauss(64)
     r = 0.5 * (nodes + 1)
 
-    def integral(place: Any) -> Any:
+    def integral(place: Array) -> Any:
         square = 0.5 * (place[:, None] + 1) * (_FAR * r) ** 2
         gone, touching = np.exp(-square), share(0.25 / np.maximum(square, 1e-300)) ** 2
         each = _ENERGY * (1 - gone) - 3 * (1 - _ENERGY) * touching * gone

@@ -5,13 +5,18 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from ..checks import Array, as_float64, require
 from ..errors import InputError, ModelWarning, warn
 from ..files import read_text
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike
+
+Profile: TypeAlias = "tuple[ArrayLike, ArrayLike] | str | os.PathLike[str]"
 
 # what no seal has: a wider contact [m], and a lower pressure at its highest [Pa]
 _WIDEST, _LOWEST = 0.1, 1e3
@@ -20,7 +25,7 @@ _PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5}
 _MOST_BYTES = 10_000_000  # of a file of a profile
 
 
-def pressure_profile(profile: Any, fewest: int) -> tuple[Array, Array]:
+def pressure_profile(profile: Profile | None, fewest: int) -> tuple[Array, Array]:
     """Positions [m] and pressures [Pa], of a pair or a file, `fewest` of them or more.
     Raises `InputError`.
     """

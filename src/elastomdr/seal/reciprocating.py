@@ -32,7 +32,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -52,7 +52,7 @@ from ..results.words import brief, in_unit, span
 from ..surface.shapes import Cylinder
 from .lubricated import lubricated
 from .o_ring import ORing, check_rubber
-from .pressure_profile import pressure_profile
+from .pressure_profile import Profile, pressure_profile
 from .response import bodies_of, compliance
 
 if TYPE_CHECKING:
@@ -206,7 +206,12 @@ class _Strokes(NamedTuple):
     entering: _Carried
 
 
-def _refuse_traced(material: Any, profile: Any, ring: Any, motion: Any) -> None:
+def _refuse_traced(
+    material: Prony | None,
+    profile: Profile | None,
+    ring: ORing | None,
+    motion: tuple[ArrayLike, ...],
+) -> None:
     """Raises `InputError` for what JAX traces."""
     of_ring = (ring.width, ring.line_load) if isinstance(ring, ORing) else ()
     if is_traced(material, profile, of_ring, motion):
@@ -217,7 +222,11 @@ def _refuse_traced(material: Any, profile: Any, ring: Any, motion: Any) -> None:
 
 
 def _motion(
-    velocity_out: Any, velocity_in: Any, stroke: Any, viscosity: Any, width: Any
+    velocity_out: ArrayLike,
+    velocity_in: ArrayLike,
+    stroke: float,
+    viscosity: ArrayLike,
+    width: float,
 ) -> _Motion:
     """The motion, checked. Raises `InputError`."""
     arrays = positive_arrays(
@@ -305,7 +314,7 @@ def _no_film(strokes: _Strokes) -> list[Doubt]:
     return doubts
 
 
-def _of_profile(profile: Any, motion: _Motion) -> _Strokes:
+def _of_profile(profile: Profile, motion: _Motion) -> _Strokes:
     """Both strokes under a given pressure: out along x, in against it."""
     x, p = pressure_profile(profile, _FEWEST)
     slope = np.diff(p)
@@ -369,7 +378,7 @@ def _thickness(slope: Array, steepest: int) -> Array:
     return np.where(s > 0, rising, falling)
 
 
-def _of_ring(material: Any, ring: Any, motion: _Motion) -> _Strokes:
+def _of_ring(material: Prony | None, ring: ORing | None, motion: _Motion) -> _Strokes:
     """Both strokes under an O-ring, and what it is."""
     if not isinstance(ring, ORing) or np.size(ring.width) != 1:
         raise InputError(

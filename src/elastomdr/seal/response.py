@@ -20,7 +20,7 @@ contact. Derived here; Johnson 1985, section 5.8, for W.
 from __future__ import annotations
 
 import functools
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -30,8 +30,11 @@ from ..checks import Array
 from ..element.law import as_foundation
 from ..element.layer import Layer, layer_kernel
 from ..errors import InputError
-from ..material.relaxation import KelvinChain, to_kelvin
+from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
 from ..numerics.quadrature import gauss_on_panels
+
+if TYPE_CHECKING:
+    from ..call.types import Material
 
 _FAR = 40.0  # y beyond which a layer is at rest, S = ln y
 _FARTHEST = 1e3  # half-lengths ahead of the contact from which memories are followed
@@ -48,7 +51,7 @@ class SealBody(NamedTuple):
     bonded: bool
 
 
-def bodies_of(material: Any) -> list[SealBody]:
+def bodies_of(material: Material) -> list[SealBody]:
     """The half-space, or the layers on both sides. Raises `InputError`."""
     if not isinstance(material, Layer):
         foundation = as_foundation(material)
@@ -75,7 +78,7 @@ def bodies_of(material: Any) -> list[SealBody]:
     ]
 
 
-def _chain(law: Any) -> KelvinChain:
+def _chain(law: Relaxation) -> KelvinChain:
     if float(law.equilibrium) == 0:
         raise InputError(
             "material must have an equilibrium modulus under a film, got a liquid, "

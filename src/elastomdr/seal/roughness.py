@@ -18,7 +18,7 @@ which hardly falls with contact. The shear flow factor is left out.
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator, PPoly
@@ -31,6 +31,9 @@ from ..rough.psd_integrals import PER_DECADE, nodes
 from ..surface.spectrum import AbstractSpectrum
 from .leak_form import UNSURE, barely_touching, through
 from .persson_gap import contact_of
+
+if TYPE_CHECKING:
+    from ..call.types import Material
 
 FlowFactor = Literal["maps", "patir-cheng"]
 
@@ -133,13 +136,13 @@ class Touching(NamedTuple):
         )
 
 
-def half_space_of(material: Any) -> Any:
+def half_space_of(material: Material) -> Any:
     """What waves that are short against a layer meet: its material."""
     return material.material if isinstance(material, Layer) else material
 
 
 def pressed(
-    material: Any, surface: AbstractSpectrum, flow_factor: FlowFactor
+    material: Material, surface: AbstractSpectrum, flow_factor: FlowFactor
 ) -> Roughness:
     """The curve of `em.press` at rest, and the flow through the gaps."""
     from ..element.law import as_foundation
@@ -169,7 +172,7 @@ def pressed(
 
 
 def rubbing(
-    material: Any,
+    material: Material,
     surface: AbstractSpectrum,
     velocity: Array,
     largest: float,

@@ -262,7 +262,7 @@ def _sphere_area(c: Array, layer: bool) -> Array:
     return xp.where(c < 0.4, series, (1 + large**2) * xp.arctanh(large) - large)
 
 
-def _sphere_radius(radius: Any, depth: Array, layer: bool) -> Array:
+def _sphere_radius(radius: Array, depth: Array, layer: bool) -> Array:
     """a = R tanh(u) with u tanh(u) = d/R of a sphere, by Newton's method; on a layer
     sqrt(2 R d - d^2).
     """

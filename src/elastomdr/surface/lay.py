@@ -18,7 +18,7 @@ isotropic surface by chance with a standard deviation of 1/sqrt(2 N) in each com
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -27,6 +27,8 @@ from ..trees import Tree, static
 
 if TYPE_CHECKING:
     from jaxtyping import Float
+
+    from .._types import Array
 
 # |<W e^(2ib)>| averaged over the scales from which on a surface counts as anisotropic: C
 # across the lay is then 1.5 times that along it; and standard errors, likewise
@@ -52,7 +54,7 @@ class Lay(Tree):
         """g at the wave numbers `q`."""
         return np.exp(self.log_peklenik)
 
-    def weight(self, q: Any, cos_square: Any, sin_square: Any) -> Any:
+    def weight(self, q: Array, cos_square: Array, sin_square: Array) -> Array:
         """W at wave numbers q, of the squares of cos b and sin b; beyond the ends of the
         table g is that at its end.
         """
@@ -61,7 +63,7 @@ class Lay(Tree):
         g, least = xp.exp(log_g), xp.exp(-log_g)
         return 2 / (g + least) / (g * cos_square + least * sin_square) ** 2
 
-    def at(self, q: Any) -> Lay:
+    def at(self, q: np.ndarray) -> Lay:
         """The same lay by a table at other wave numbers."""
         log_q, old = np.log(q), np.log(self.q)
         log_peklenik = np.interp(log_q, old, self.log_peklenik)
@@ -87,7 +89,7 @@ class Lay(Tree):
         )
 
 
-def lay_of(spectrum: Any) -> Lay | None:
+def lay_of(spectrum: object) -> Lay | None:
     """The lay of a surface; None of those that are isotropic."""
     return getattr(spectrum, "lay", None)
 

@@ -138,7 +138,7 @@ class AbstractSpectrum(Tree):
         return integral if low is None else integral - self._until(power, low)
 
     @numpy_unless_traced
-    def _until(self, power: float, q: Any) -> Any:
+    def _until(self, power: float, q: ArrayLike) -> Array:
         xp = namespace(self, q)
         q = xp.clip(xp.asarray(q, dtype=np.float64), self.q_low, self.q_high)
         start = xp.log(self.q[:-1])
@@ -287,8 +287,8 @@ class SelfAffine(AbstractSpectrum):
         *,
         rms_height: Number | None = None,
     ):
-        hurst = _plain(scalar("hurst", hurst))
-        require("hurst", hurst, "from 0 to 1", lambda x: (x >= 0) & (x <= 1))
+        exponent: Any = _plain(scalar("hurst", hurst))
+        require("hurst", exponent, "from 0 to 1", lambda x: (x >= 0) & (x <= 1))
         only_one(rms_slope=rms_slope, rms_height=rms_height)
         if q_low is None or q_high is None:
             raise InputError(
@@ -312,8 +312,8 @@ class SelfAffine(AbstractSpectrum):
                 f"and {high:g} rad/m."
             )
         whole = q_rolloff is None or certain(np.equal, knee, low)
-        q, c = _power_law(hurst, [low, high] if whole else [low, knee, high], knee)
-        fill(self, hurst=hurst, q=q, c=c)
+        q, c = _power_law(exponent, [low, high] if whole else [low, knee, high], knee)
+        fill(self, hurst=exponent, q=q, c=c)
         fill(self, c=_scaled(c, value, getattr(self, name)))
         if not possible(lambda c: ((c > 0) & np.isfinite(c)).all(), self.c):
             given = f"{name}={value:g} between {low:g} and {high:g} rad/m"
@@ -329,13 +329,13 @@ class SelfAffine(AbstractSpectrum):
 
 
 @numpy_unless_traced
-def _power_law(hurst: Any, corners: list[Any], knee: Any) -> tuple[Array, Array]:
+def _power_law(hurst: Scalar, corners: list[Array], knee: Array) -> tuple[Array, Array]:
     q = xp.stack(corners)
     return q, xp.where(q <= knee, 1.0, (q / knee) ** (-2 - 2 * hurst))
 
 
 @numpy_unless_traced
-def _scaled(c: Any, value: Any, unscaled: Any) -> Array:
+def _scaled(c: Array, value: Array, unscaled: Scalar) -> Array:
     return c * (value / unscaled) ** 2
 
 
@@ -394,7 +394,7 @@ class Spectrum(AbstractSpectrum):
         )
 
 
-def check_convention(convention: Any) -> None:
+def check_convention(convention: object) -> None:
     """Raises `InputError`, with all that there are, where it is none."""
     if not isinstance(convention, str) or convention not in CONVENTIONS:
         hint = closest(str(convention), CONVENTIONS)
@@ -466,7 +466,7 @@ def _from_cut(q: np.ndarray, cut: np.ndarray) -> np.ndarray:
     return c
 
 
-def as_spectrum(name: str, value: Any) -> AbstractSpectrum:
+def as_spectrum(name: str, value: object) -> AbstractSpectrum:
     """`value` if it is a spectrum. Raises `InputError`."""
     if isinstance(value, (tuple, list)):
         raise InputError(

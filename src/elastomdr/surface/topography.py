@@ -143,6 +143,16 @@ class _Limit(NamedTuple):
     noisy: bool = False  # whether waves beyond are noise
 
 
+class _Part(NamedTuple):
+    """A scan without holes and trend, and its share in the spectrum."""
+
+    scan: Scan
+    waves: _Waves
+    limit: _Limit
+    highest: float  # wave number that is used [rad/m]
+    name: str  # how sentences about it begin, where there are several
+
+
 class _Fit(NamedTuple):
     q: np.ndarray
     c: np.ndarray
@@ -172,47 +182,32 @@ def surface(
         InputError: where a scan is too small, flat, not in metres, or shorter than
             `shortest`.
     """
-    ready = [_mended(scan, detrend) for scan in scans]
-    several = len(scans) > 1
-    names = [f"scan {i}: " if several else "" for i in range(1, len(scans) + 1)]
-    waves = [_waves(scan) for scan in ready]
-    limits = [_limit(each, scan) for each, scan in zip(waves, ready, strict=True)]
-    highest = _highest(ready, waves, limits, shortest)
-    alone = [_fitted([each], [high]) for each, high in zip(waves, highest, strict=True)]
-    fit = _fitted(waves, highest) if several else alone[0]
-    doubts = _doubts_of_size(fit, ready)
-    widest = int(np.argmin([each.first for each in waves]))
-    height = float(ready[widest].height.std())
+    parts = _parts([_mended(scan, detrend) for scan in scans], shortest)
+    several = len(parts) > 1
+    alone = [_fitted([part]) for part in parts]
+    fit = _fitted(parts) if several else alone[0]
+    doubts = _doubts_of_size(fit, parts)
+    widest = min(parts, key=lambda part: part.waves.first)
+    height = float(widest.scan.height.std())
 
-    report = [
-        name + sentence
-        for name, scan in zip(names, ready, strict=True)
-        for sentence in scan.report
-    ]
-    report += [
-        name + limit.reason
-        for name, limit in zip(names, limits, strict=True)
-        if limit.reason
-    ]
+    report = [part.name + said for part in parts for said in part.scan.report]
+    report += [part.name + part.limit.reason for part in parts if part.limit.reason]
     report += doubts
     report += [_overlap(alone)] if several else []
     report.append(_heights(fit, height))
-    asymmetry = [
-        _asymmetry(scan, each, high)
-        for scan, each, high in zip(ready, waves, highest, strict=True)
-    ]
-    joined = _joined_asymmetry(ready, waves, highest) if several else asymmetry[0]
+    asymmetry = [_asymmetry(part.scan, part.waves, part.highest) for part in parts]
+    joined = _joined_asymmetry(parts) if several else asymmetry[0]
     report += [
-        name + of_scan.words for name, of_scan in zip(names, asymmetry, strict=True)
+        part.name + heights.words
+        for part, heights in zip(parts, asymmetry, strict=True)
     ]
     report += [
-        name + _slopes(scan, each, one)
-        for name, scan, each, one in zip(names, ready, waves, alone, strict=True)
+        part.name + _slopes(part, one) for part, one in zip(parts, alone, strict=True)
     ]
     if several:
         report.append(joined.words)
     _warn_of_skewness(joined)
-    lay, sentences = _directions(waves, highest, fit)
+    lay, sentences = _directions(parts, fit)
     report += sentences
     report += [_asks_for_shortest(fit)] if shortest is None else []
     return MeasuredSurface(
@@ -224,31 +219,30 @@ def surface(
         skewness_error=joined.error,
         report=tuple(report),
         lay=lay,
-        map=_only_map(ready, highest, shortest is not None or limits[0].noisy),
+        map=_only_map(parts, shortest is not None),
     )
 
 
-def _only_map(
-    scans: Sequence[Scan], highest: Sequence[float], cut: bool
-) -> HeightMap | None:
+def _only_map(parts: Sequence[_Part], cut: bool) -> HeightMap | None:
     """The heights, where they are those of one map."""
-    if len(scans) > 1 or scans[0].height.ndim == 1:
+    part = parts[0]
+    if len(parts) > 1 or part.scan.height.ndim == 1:
         return None
-    return HeightMap(scans[0].height, scans[0].steps, highest[0] if cut else None)
+    end = part.highest if cut or part.limit.noisy else None
+    return HeightMap(part.scan.height, part.scan.steps, end)
 
 
-def _highest(
-    scans: Sequence[Scan],
-    waves: Sequence[_Waves],
-    limits: Sequence[_Limit],
-    shortest: float | None,
-) -> list[float]:
-    """The highest wave number that is used of each scan [rad/m]. Raises `InputError`."""
+def _parts(scans: Sequence[Scan], shortest: float | None) -> list[_Part]:
+    """The scans with their waves, up to the highest that is used. Raises
+    `InputError`.
+    """
+    every = [_waves(scan) for scan in scans]
+    limits = [_limit(waves, scan) for waves, scan in zip(every, scans, strict=True)]
     highest = [limit.q for limit in limits]
     if shortest is not None:
         finest = int(np.argmax(highest))
         least = 2 * max(scans[finest].steps)
-        longest = min(2 * np.pi / each.first for each in waves)
+        longest = min(2 * np.pi / waves.first for waves in every)
         if not least <= shortest <= longest / 2:
             raise InputError(
                 "shortest must be two steps of the data or more and a quarter of "
@@ -257,15 +251,17 @@ def _highest(
             )
         highest = [min(q, 2 * np.pi / shortest) for q in highest]
         highest[finest] = 2 * np.pi / shortest
-    for each, high, limit in zip(waves, highest, limits, strict=True):
-        if high < 2 * each.first:
-            why = f" ({limit.reason})" if limit.reason else ""
+    names = [f"scan {i}: " if len(scans) > 1 else "" for i in range(1, len(scans) + 1)]
+    parts = list(map(_Part, scans, every, limits, highest, names))
+    for part in parts:
+        if part.highest < 2 * part.waves.first:
+            why = f" ({part.limit.reason})" if part.limit.reason else ""
             raise InputError(
-                f"heights must hold waves from {2 * np.pi / each.first:.4g} m down to "
-                f"half of that or less, got none shorter than {2 * np.pi / high:.4g} "
-                f"m{why}."
+                f"heights must hold waves from {2 * np.pi / part.waves.first:.4g} m down "
+                "to half of that or less, got none shorter than "
+                f"{2 * np.pi / part.highest:.4g} m{why}."
             )
-    return highest
+    return parts
 
 
 def _mended(scan: Scan, detrend: bool) -> Scan:
@@ -454,21 +450,22 @@ def _exponent(
     return float((number * x * np.log(power)).sum()) / spread, spread**-0.5
 
 
-def _fitted(waves: Sequence[_Waves], highest: Sequence[float]) -> _Fit:
+def _fitted(parts: Sequence[_Part]) -> _Fit:
     """C at nodes from the first wave used to the highest one, see the head of this
     file.
     """
-    low, high = min(max(each.lowest) for each in waves), max(highest)
-    first = min(each.first for each in waves)
+    low = min(max(part.waves.lowest) for part in parts)
+    first = min(part.waves.first for part in parts)
+    high = max(part.highest for part in parts)
     count = int(np.ceil(_NODES * np.log10(high / first) - _SAME))
     gap = np.log(high / first) / count
     # waves that the window brings in
     before = int(np.ceil(np.log(first / low) / gap - _SAME))
     nodes = np.log(first) + gap * np.arange(-before, count + _BEYOND + 1)
     terms = []
-    for each, end in zip(waves, highest, strict=True):
-        q, power, number = each.banded(each.first, end, _FINE)
-        place, weight = _expected(each, q)
+    for _, waves, _, end, _ in parts:
+        q, power, number = waves.banded(waves.first, end, _FINE)
+        place, weight = _expected(waves, q)
         place = np.clip((np.log(place) - nodes[0]) / gap, 0, nodes.size - 1 - 1e-9)
         hats = np.maximum(1 - np.abs(place[..., None] - np.arange(nodes.size)), 0)
         terms.append((q, power, number, weight, hats))
@@ -517,7 +514,7 @@ def _expected(waves: _Waves, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     )
 
 
-def _doubts_of_size(fit: _Fit, scans: Sequence[Scan]) -> list[str]:
+def _doubts_of_size(fit: _Fit, parts: Sequence[_Part]) -> list[str]:
     """What makes one doubt that heights and steps are in metres, with a warning. Raises
     `InputError` for slopes that no surface has.
     """
@@ -529,7 +526,7 @@ def _doubts_of_size(fit: _Fit, scans: Sequence[Scan]) -> list[str]:
             "in the wrong unit."
         )
     doubts = _unlike(slope, "are heights and pixel_size in the right unit")
-    for scan in scans:
+    for scan in (part.scan for part in parts):
         side = max(n * d for n, d in zip(scan.height.shape, scan.steps, strict=True))
         if side > _LONGEST[scan.height.ndim]:
             doubts.append(
@@ -622,7 +619,7 @@ def skewness_bound(skewness: float, error: float) -> float:
     return float(np.hypot(skewness, _ERRORS * error))
 
 
-def skewness_of(surface: Any) -> float:
+def skewness_of(surface: object) -> float:
     """`skewness_bound` of a surface; zero of one that does not know its heights."""
     names = ("skewness", "skewness_error")
     return skewness_bound(*(getattr(surface, name, 0.0) for name in names))
@@ -697,20 +694,18 @@ def _asymmetry(scan: Scan, waves: _Waves, highest: float) -> _Asymmetry:
     return _Asymmetry(whole.skewness, whole.error, words)
 
 
-def _joined_asymmetry(
-    scans: Sequence[Scan], waves: Sequence[_Waves], highest: Sequence[float]
-) -> _Asymmetry:
+def _joined_asymmetry(parts: Sequence[_Part]) -> _Asymmetry:
     """Skewness of the heights of all scales: the scales of several scans follow each
     other, each from the scan that knows them best, and their third cumulants add up.
     """
     by_scale: list[_Moments] = []
-    known = min(each.first for each in waves)
+    known = min(part.waves.first for part in parts)
     while True:
         candidates = []
-        for scan, each, high in zip(scans, waves, highest, strict=True):
-            low = max(known, each.first)
+        for scan, waves, _, high, _ in parts:
+            low = max(known, waves.first)
             if high >= 2 * low * (1 - _SAME):
-                candidates.append((low, high, _moments(scan, each, low, high)))
+                candidates.append((low, high, _moments(scan, waves, low, high)))
         if not candidates:
             break
         nearest = min(low for low, _, _ in candidates)
@@ -740,13 +735,14 @@ def _warn_of_skewness(heights: _Asymmetry) -> None:
     )
 
 
-def _slopes(scan: Scan, waves: _Waves, fit: _Fit) -> str:
+def _slopes(part: _Part, fit: _Fit) -> str:
     """The rms slope by differences of neighbours, and what the spectrum lets expect of
     it.
 
     A difference over a step d sees a wave times sin(k d/2)/(k d/2). Where C says
     nothing, the power of the data stands.
     """
+    scan, waves = part.scan, part.waves
     measured = (
         sum(
             np.mean(np.diff(scan.height, axis=i) ** 2) / d**2
@@ -785,17 +781,15 @@ def _slopes(scan: Scan, waves: _Waves, fit: _Fit) -> str:
     return sentence
 
 
-def _directions(
-    waves: Sequence[_Waves], highest: Sequence[float], fit: _Fit
-) -> tuple[Lay | None, list[str]]:
+def _directions(parts: Sequence[_Part], fit: _Fit) -> tuple[Lay | None, list[str]]:
     """The lay of a surface that has one, and what there is to say of it."""
     maps = []
-    for each, high in zip(waves, highest, strict=True):
-        if each.dimensions == 1:
+    for _, waves, _, high, _ in parts:
+        if waves.dimensions == 1:
             continue
-        inside = _within(each.q, each.first, high)
+        inside = _within(waves.q, waves.first, high)
         q, power, copies, kx, ky = (
-            x[inside] for x in (each.q, each.power, each.copies, *each.k)
+            x[inside] for x in (waves.q, waves.power, waves.copies, *waves.k)
         )
         c = np.exp(np.interp(np.log(q), np.log(fit.q), np.log(fit.c)))
         angle = np.arctan2(ky, kx)

@@ -98,6 +98,6 @@ def in_64_bits_where(
     return decorate
 
 
-def needs_layer(material: Any, shape: Any, _: dict[str, Any]) -> bool:
+def needs_layer(material: object, shape: object, _: dict[str, Any]) -> bool:
     """Whether a call needs the layer, as a condition for `in_64_bits_where`."""
     return is_on_layer(material, shape)
