@@ -8,7 +8,7 @@ import functools
 import math
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
@@ -309,9 +309,9 @@ def warn_of_failed(
         warn(f"{sentence} {reason}".strip(), ConvergenceWarning)
 
 
-def alike(least: int, **lists: Any) -> None:
-    """Raises `InputError` unless these are lists of one length, with `least` entries or
-    more.
+def alike(least: int, lists: Mapping[str, Any]) -> None:
+    """Raises `InputError` unless these, by name, are lists of one length, with `least`
+    entries or more.
     """
     first, *others = (np.shape(values) for values in lists.values())
     if len(first) != 1 or first[0] < least or any(other != first for other in others):
@@ -422,11 +422,10 @@ def one_of(name: str, value: Any, *accepted: str) -> None:
         raise InputError(argument=name, got=value, accepted=words)
 
 
-def are_texts(**values: Any) -> None:
+def a_text(name: str, value: object) -> None:
     """Raises `InputError` for what is no text."""
-    for name, value in values.items():
-        if not isinstance(value, str):
-            raise InputError(argument=name, got=value, accepted="a text")
+    if not isinstance(value, str):
+        raise InputError(argument=name, got=value, accepted="a text")
 
 
 def untraced(name: str, value: Any, why: str) -> None:

@@ -9,7 +9,7 @@ import reprlib
 import shlex
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextvars import ContextVar
 from typing import NamedTuple
 
@@ -98,10 +98,10 @@ class ModelWarning(UserWarning):
 
 
 # of each advice that has been given, by its text, the options of the command line
-_ADVISED: dict[str, dict[str, str | list[str]]] = {}
+_ADVISED: dict[str, Mapping[str, str | list[str]]] = {}
 
 
-def advise(python: str, **options: str | list[str]) -> str:
+def advise(python: str, options: Mapping[str, str | list[str]]) -> str:
     """Arguments to give, for a sentence: in Python, and as options of the command line,
     such as "temperature=293.15 (--temperature 20degC)". Who has other words for them
     finds the options by `advised`.
@@ -116,7 +116,7 @@ def advise(python: str, **options: str | list[str]) -> str:
     return said
 
 
-def advised(message: str) -> dict[str, dict[str, str | list[str]]]:
+def advised(message: str) -> dict[str, Mapping[str, str | list[str]]]:
     """The advices in a message, in order, with their options."""
     found = [said for said in _ADVISED if said in message]
     return {said: _ADVISED[said] for said in sorted(found, key=message.index)}

@@ -26,11 +26,11 @@ from .units.arguments import constructor_in_si
 T = TypeVar("T")
 
 
-def static(**options: Any) -> Any:
+def static(default: Any = dataclasses.MISSING) -> Any:
     """A field that JAX does not look into: part of the class, so to speak, and compared
     by `==`.
     """
-    return dataclasses.field(metadata={"static": True}, **options)
+    return dataclasses.field(metadata={"static": True}, default=default)
 
 
 @dataclass_transform(
@@ -45,8 +45,8 @@ class Tree(abc.ABC):  # noqa: B024
     `same` compares their values.
     """
 
-    def __init_subclass__(cls, **options: Any) -> None:
-        super().__init_subclass__(**options)
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
         init, repr = (not _has_own(cls, name) for name in ("__init__", "__repr__"))
         dataclasses.dataclass(frozen=True, eq=False, init=init, repr=repr)(cls)
         cls._generated = [

@@ -415,14 +415,14 @@ def test_advice_in_the_words_of_the_fields():
 
     either = f"{naming({'s': '1 MPa'})} or {naming({'a': '1 %'})}"
     for python, fields in {
-        f"as {advise('poisson=0.4', poisson='0.4')}.": "as “Poisson's ratio ν” 0.4.",  # noqa: RUF001
-        f"{advise('vertical=False', no_vertical='')}.": "“Vertical shifts b_T”: no.",
+        f"as {advise('poisson=0.4', {'poisson': '0.4'})}.": "as “Poisson's ratio ν” 0.4.",  # noqa: RUF001
+        f"{advise('vertical=False', {'no_vertical': ''})}.": "“Vertical shifts b_T”: no.",
         naming({"storage": "4", "loss": "3"}): "“Columns” storage=4, loss=3",
         either: "“Columns” s=1 MPa or “Columns” a=1 %",
     }.items():
         assert spoken(python) == fields
     assert naming({"s": "1 %"}) == "columns={'s': '1 %'} (--column 's=1 %')"
-    assert advise("area=1e-4", area="1 cm2", length="2 m") == (
+    assert advise("area=1e-4", {"area": "1 cm2", "length": "2 m"}) == (
         "area=1e-4 (--area '1 cm2' --length '2 m')"
     )
 

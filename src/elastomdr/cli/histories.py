@@ -213,7 +213,7 @@ class PointsTable(Table):
         from ..checks import alike, ascending
 
         ((name, values),) = given(self, "load", "depth").items()
-        alike(2, **{"time": self.time, name: values})
+        alike(2, {"time": self.time, name: values})
         ascending("time", self.time)
         time = np.union1d(
             self.time, np.linspace(self.time[0], self.time[-1], self.points)

@@ -7,7 +7,7 @@ import contextlib
 import inspect
 import textwrap
 import types
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -89,10 +89,21 @@ class _TableType(msgspec.StructMeta, abc.ABCMeta):
         name: str,
         bases: tuple[type, ...],
         namespace: dict[str, object],
-        **options: Any,
+        tag: str | None = None,
+        tag_field: str | None = None,
+        rename: Mapping[str, str] | None = None,
     ) -> Any:
-        options = {"kw_only": True, "frozen": True} | options
-        return super().__new__(mcls, name, bases, namespace, **options)
+        return super().__new__(
+            mcls,
+            name,
+            bases,
+            namespace,
+            kw_only=True,
+            frozen=True,
+            tag=tag,
+            tag_field=tag_field,
+            rename=rename,
+        )
 
 
 class Table(msgspec.Struct, metaclass=_TableType):

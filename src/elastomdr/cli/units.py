@@ -95,9 +95,12 @@ class SceneQuantity(float):
     example: ClassVar[str]
     sign: ClassVar[str] = "positive"  # or "zero or positive", or "" for either sign
 
-    def __init_subclass__(cls, **attributes: str):
-        for name, value in attributes.items():
-            setattr(cls, name, value)
+    def __init_subclass__(
+        cls, what: str = "", unit: str = "", example: str = "", sign: str | None = None
+    ):
+        cls.what, cls.unit = what or cls.what, unit or cls.unit
+        cls.example = example or cls.example
+        cls.sign = cls.sign if sign is None else sign
 
     @classmethod
     def read(cls, entry: Any) -> Self:

@@ -80,7 +80,7 @@ def of_shifts(judged: JudgedShifts) -> Iterator[str]:
             f"{describe_list(celsius[judged.ambiguous], 'degC')}: the isotherms are too "
             "flat or too much alike there. Their log10 a_T rests on the prior for the "
             "vertical shift; see the intervals, and compare "
-            f"{advise('vertical=False', no_vertical='')}."
+            f"{advise('vertical=False', {'no_vertical': ''})}."
         )
     if joint.law is None:
         yield from _of_free_shifts(judged)

@@ -165,8 +165,8 @@ def isotherms(
             f"dma must span a range of frequencies (or times), got {rates.min():.4g} "
             f"to {rates.max():.4g} rad/s only: "
             "a sweep of temperature at one frequency needs a shift law, as "
-            f"{advise('shift=em.WLF(8.86, 101.6, 293.15)', shift=_TYPICAL)}, "
-            f"a file of factors, or {advise('universal', shift='universal')}."
+            f"{advise('shift=em.WLF(8.86, 101.6, 293.15)', {'shift': _TYPICAL})}, "
+            f"a file of factors, or {advise('universal', {'shift': 'universal'})}."
         )
     number, mean = group(temperatures, tolerance)
     n = dma.omega.size
@@ -362,7 +362,7 @@ def refuse_exchanged(dma: Dma, law: AbstractShift | None = None) -> None:
         )
         way = advise(
             f"columns={{'storage': {new}, 'loss': {old}}}",
-            column=[f"storage={new}", f"loss={old}"],
+            {"column": [f"storage={new}", f"loss={old}"]},
         )
         raise InputError(
             f"storage and loss modulus of {dma.source!r} look exchanged: no passive "

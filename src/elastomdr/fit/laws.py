@@ -615,7 +615,7 @@ def _glass_temperature(dma: Dma) -> float:
         raise InputError(
             "shift must be a law with its reference temperature for these data, whose "
             "storage and loss modulus suit the universal law with no T_g: "
-            f"{advise('em.WLF(17.44, 51.6, T_g)', shift='WLF(17.44, 51.6, -50degC)')} "
+            f"{advise('em.WLF(17.44, 51.6, T_g)', {'shift': 'WLF(17.44, 51.6, -50degC)'})} "
             "with T_g of the material, got 'universal'."
         )
     near = slice(best - 1, best + 2)

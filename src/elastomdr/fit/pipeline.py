@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict
 import numpy as np
 
 from .. import __version__
-from ..checks import are_texts, in_si, scalar, significant
+from ..checks import a_text, in_si, scalar, significant
 from ..errors import InputError, advise, quiet
 from ..io.data import Dma, FitWarning, strains
 from ..material.format import Document
@@ -683,7 +683,7 @@ def _misses(fit: MaterialFit) -> Iterator[str]:
         remedy = (
             (
                 f" {fit.law} misses the shift factors by {law.rms:.2g} decades rms; "
-                f"{advise('law table', law='table')} keeps them."
+                f"{advise('law table', {'law': 'table'})} keeps them."
             )
             if law
             else ""
@@ -757,7 +757,7 @@ def from_hardness(
     (56 + 7.62336 S)/(0.137505 (254 - 2.54 S)) MPa, here the relaxation modulus after 3
     s at 23 degC.
     """
-    are_texts(name=name)
+    a_text("name", name)
     hardness = float(scalar("shore_a", shore_a))
     if not _SHORE[0] <= hardness <= _SHORE[1]:
         raise InputError(

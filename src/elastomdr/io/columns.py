@@ -165,7 +165,7 @@ def naming(values: Mapping[str, str]) -> str:
     """
     python = ", ".join(f"{role!r}: {_quoted(one)}" for role, one in values.items())
     options = [f"{role}={one}" for role, one in values.items()]
-    return advise(f"columns={{{python}}}", column=options)
+    return advise(f"columns={{{python}}}", {"column": options})
 
 
 def _quoted(text: str) -> str:
@@ -508,7 +508,7 @@ def read_columns(
     return ColumnsRead(table, chosen, values, bad)
 
 
-def checked_units(**given: str | None) -> dict[str, str]:
+def checked_units(given: Mapping[str, str | None]) -> dict[str, str]:
     """The units that a user gives, by kind. Raises `InputError` for what is none of its
     kind.
     """
@@ -587,7 +587,7 @@ def unit_of(table: TitledTable, column: Column) -> str:
     unit = column.unit or table.units.get(kind) or ("-" if kind == "ratio" else "")
     if not unit:
         option = quantity.option
-        option = f"{advise(option, **{option: ''})} or " if option else ""
+        option = f"{advise(option, {option: ''})} or " if option else ""
         raise InputError(
             f"{name}: column {place} {column.title!r} has no unit; give "
             f"it, as {option}{ways}, one of {usual(kind)} ..."
@@ -777,7 +777,7 @@ def missing(
             f" (no line above the numbers can be cut at blanks into {table.width} "
             "titles: separate them by commas)"
         )
-    way = advise("columns={'ROLE': N}", column="ROLE=N")
+    way = advise("columns={'ROLE': N}", {"column": "ROLE=N"})
     return (
         f"{name}: {needed}; recognised "
         f"{'is ' + ', '.join(recognised) if recognised else 'is none'} of the columns "

@@ -467,7 +467,7 @@ def of_one_strain(dma: Dma) -> tuple[Dma, tuple[str, ...]]:
             "Sweeps at several strain amplitudes are not one sample: that at "
             f"{strains(rest.strain[levels[0]])} is used, that at "
             f"{' and '.join(others)} left out; "
-            f"{advise('dma.at_strain(...)', strain='')} chooses another."
+            f"{advise('dma.at_strain(...)', {'strain': ''})} chooses another."
         )
         rest = rest.where(levels[0])
     return rest, tuple(remarks)
@@ -549,7 +549,7 @@ def untold(rates: np.ndarray) -> str:
             "own temperature, in a column, or in a line 'T = -20 degC' above its "
             "block."
         )
-    way = advise("temperature=293.15", temperature="20degC")
+    way = advise("temperature=293.15", {"temperature": "20degC"})
     return f"give temperature, such as {way}."
 
 

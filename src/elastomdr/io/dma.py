@@ -50,11 +50,13 @@ _FEWEST_HELD = 5  # rows
 _BACK = 0.25  # share by which a compliance falls, or a modulus rises, after its step
 _RINGING = 0.1  # share of rows up to which this is the ringing of an instrument
 _APART = 0.5  # [K], within which two temperatures are one
-_ALONE = f"if it was not measured, give {advise('storage_only=True', storage_only='')}"
+_ALONE = (
+    f"if it was not measured, give {advise('storage_only=True', {'storage_only': ''})}"
+)
 
 
 _OF_KIND = " or ".join(
-    advise(f"kind={kind!r}", kind=kind) for kind in ("shear", "tensile")
+    advise(f"kind={kind!r}", {"kind": kind}) for kind in ("shear", "tensile")
 )
 
 
@@ -134,10 +136,12 @@ def read_dma(
             f"{columns!r}."
         )
     units = checked_units(
-        frequency=frequency_unit,
-        modulus=modulus_unit,
-        temperature=temperature_unit,
-        time=time_unit,
+        {
+            "frequency": frequency_unit,
+            "modulus": modulus_unit,
+            "temperature": temperature_unit,
+            "time": time_unit,
+        },
     )
     specimen = _specimen(area, length, ramp, storage_only)
     options = _Options(kind, columns, units, specimen)
@@ -680,7 +684,7 @@ def _not_held(runs: Sequence[str], held: bool, table: TitledTable) -> tuple[str,
         what = "the strain is not held"
         advice = (
             "leave out the rows while it changes, or give the duration of its ramp, as "
-            f"{advise('ramp=2.0', ramp='2 s')}, or what was held, as "
+            f"{advise('ramp=2.0', {'ramp': '2 s'})}, or what was held, as "
             f"{naming({'strain': '1 %'})}"
         )
     line = table.rows[0].line
@@ -733,7 +737,7 @@ def _scale(name: str, specimen: Specimen) -> float:
         raise InputError(
             f"{name}: the columns hold a stiffness; give the specimen's section and "
             "length (in shear: height), as "
-            f"{advise('area=1e-4, length=0.02', area='100 mm2', length='20 mm')}."
+            f"{advise('area=1e-4, length=0.02', {'area': '100 mm2', 'length': '20 mm'})}."
         )
     return specimen.length / specimen.area
 

@@ -258,8 +258,8 @@ def _bare(table: TitledTable, count: int) -> list[float]:
             raise InputError(
                 f"{table.name}: line {row.line}, {listed}, may be the temperatures of the "
                 f"{count} isotherms below: give their unit, degC or K, as "
-                f"{advise('temperature_unit=UNIT', temperature_unit='UNIT')}, or write it behind "
-                "each."
+                f"{advise('temperature_unit=UNIT', {'temperature_unit': 'UNIT'})}, or "
+                "write it behind each."
             )
     return []
 

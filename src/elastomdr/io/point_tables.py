@@ -104,7 +104,11 @@ def read_friction(
             and where more than half of the rows are no measurement.
     """
     units = checked_units(
-        velocity=velocity_unit, temperature=temperature_unit, pressure=pressure_unit
+        {
+            "velocity": velocity_unit,
+            "temperature": temperature_unit,
+            "pressure": pressure_unit,
+        }
     )
     units["modulus"] = units.pop("pressure", "")
     table, chosen, values, bad = read_columns(
@@ -200,7 +204,7 @@ def _both_shifts(
     temperature_unit: str | None,
 ) -> tuple[ColumnsRead, ShiftTable, VerticalTable | None]:
     """The columns of a file, its shift factors, and the vertical ones."""
-    units = checked_units(temperature=temperature_unit)
+    units = checked_units({"temperature": temperature_unit})
     # nobody's log a_T is ln
     read = read_columns(
         path, _SHIFTS, ("temperature", "shift"), columns, units, log="log10"

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..checks import (
     Array,
-    are_texts,
+    a_text,
     as_float64,
     certain,
     in_si,
@@ -115,7 +115,8 @@ class Prony(AbstractRelaxation):
     ):
         law = checked(equilibrium, moduli, times, viscosity)
         one_of("kind", kind, "shear", "tensile")
-        are_texts(name=name, citation=citation)
+        a_text("name", name)
+        a_text("citation", citation)
         check_laws(shift, vertical)
         if poisson is not None and bulk is not None:
             raise InputError(

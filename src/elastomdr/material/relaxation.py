@@ -183,7 +183,7 @@ def checked(
                 f"{name} must be a single number, got an array of shape {value.shape}."
             )
         not_negative(name, value)
-    alike(0, moduli=moduli, times=times)
+    alike(0, {"moduli": moduli, "times": times})
     not_negative("moduli", moduli)
     positive("times", times)
     moduli, times = in_order(moduli, times)

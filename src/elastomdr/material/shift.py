@@ -224,7 +224,7 @@ class ShiftTable(AbstractShift):
     def __init__(self, temperature: ArrayLike, log10_a: ArrayLike):
         temperature = as_float64("temperature", temperature)
         log10_a = as_float64("log10_a", log10_a)
-        alike(2, temperature=temperature, log10_a=log10_a)
+        alike(2, {"temperature": temperature, "log10_a": log10_a})
         in_kelvin("temperature", temperature)
         require("log10_a", log10_a, "finite", np.isfinite)
         ascending("temperature", temperature)
@@ -318,7 +318,7 @@ class VerticalTable(AbstractVertical):
     def __init__(self, temperature: ArrayLike, factor: ArrayLike):
         temperature = as_float64("temperature", temperature)
         factor = as_float64("factor", factor)
-        alike(2, temperature=temperature, factor=factor)
+        alike(2, {"temperature": temperature, "factor": factor})
         untraced(
             "temperature", temperature, "a table is differentiated in its factors only"
         )

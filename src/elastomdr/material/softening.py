@@ -80,7 +80,7 @@ class Softening(Tree):
         strain, storage, loss = arrays = [
             as_float64(f"softening: {key}", value) for key, value in lists.items()
         ]
-        alike(2, **{"softening: strain": strain, "storage": storage, "loss": loss})
+        alike(2, {"softening: strain": strain, "storage": storage, "loss": loss})
         for key, values in zip(lists, arrays, strict=True):
             positive(f"softening: {key}", values)
         ascending("softening: strain", strain)

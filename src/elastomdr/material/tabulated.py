@@ -29,8 +29,8 @@ import numpy as np
 from ..arrays import xp
 from ..checks import (
     Array,
+    a_text,
     alike,
-    are_texts,
     as_float64,
     ascending,
     is_traced,
@@ -253,12 +253,13 @@ class TabulatedModulus(AbstractTable):
             as_float64(key, value)
             for key, value in (("omega", omega), ("storage", storage), ("loss", loss))
         )
-        alike(3, omega=omega, storage=storage, loss=loss)
+        alike(3, {"omega": omega, "storage": storage, "loss": loss})
         for key, value in (("omega", omega), ("storage", storage), ("loss", loss)):
             positive(key, value)
         ascending("omega", omega)
         one_of("kind", kind, "shear", "tensile")
-        are_texts(name=name, citation=citation)
+        a_text("name", name)
+        a_text("citation", citation)
         check_laws(shift, vertical)
         poisson = poisson_ratio(poisson)
         known = as_range(range)

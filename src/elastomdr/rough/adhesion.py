@@ -16,7 +16,7 @@ Source: B. Lorenz, Y. R. Oh, S. K. Nam, S. H. Jeon and B. N. J. Persson, J. Chem
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -170,7 +170,6 @@ def sheared(
     error: Array | float,
     bound: Array | float | None,
     area: str,
-    **more: Any,
 ) -> FrictionCurve:
     """`curve`, whose mu is that of hysteresis, with the shear of the real contact
     added.
@@ -180,7 +179,6 @@ def sheared(
         error: relative numerical error of the area.
         bound: relative bound on its distance from three dimensions, or None.
         area: what area it is, in words.
-        more: fields of the result that go with it.
     """
     temperature = curve.temperature
     rise = curve.temperature_rise if curve.contact_rise is None else curve.contact_rise
@@ -204,7 +202,6 @@ def sheared(
         model=curve.model + _ADDED.format(area=area),
         inputs=(*curve.inputs, ("adhesion", adhesion.words())),
         marks=(*curve.marks, *_no_prediction(curve, added), *_of_law(complete)),
-        **more,
     )
 
 
@@ -281,9 +278,8 @@ def on_contact(
             "area (pi/2) a (a + b) from its edges",
         )
         bound = xp.nan if layer else _SKEWED * abs(1 - behind / ahead)
-    return sheared(
-        curve, adhesion, area / curve.normal_force, 0.0, bound, words, contact_area=area
-    )
+    curve = dataclasses.replace(curve, contact_area=area)
+    return sheared(curve, adhesion, area / curve.normal_force, 0.0, bound, words)
 
 
 def on_cells(curve: FrictionCurve, adhesion: AdhesiveShear) -> FrictionCurve:

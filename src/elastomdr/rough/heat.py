@@ -9,6 +9,7 @@ a point warms it, in the steady state, by exp(-w (r + r cos phi))/(2 pi lambda r
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -125,7 +126,7 @@ class Heat(Tree):
         dT = 2 q sqrt(t/(pi lambda rho c)). Carslaw & Jaeger 1959, 2.9. Raises
         `InputError`.
         """
-        flux, time = _arrays(flux=flux, time=time)
+        flux, time = _arrays({"flux": flux, "time": time})
         not_negative("time", time)
         return (
             2 * flux * np.sqrt(time / (np.pi * self.conductivity * self.heat_capacity))
@@ -147,7 +148,7 @@ class Heat(Tree):
         K0. Raises `InputError`.
         """
         flux, half, velocity, x = _arrays(
-            flux=flux, half_width=half_width, velocity=velocity, x=x
+            {"flux": flux, "half_width": half_width, "velocity": velocity, "x": x}
         )
         positive("half_width", half)
         positive("velocity", velocity)
@@ -175,7 +176,9 @@ class Heat(Tree):
         """
         from scipy.special import i0e
 
-        flux, radius, velocity = _arrays(flux=flux, radius=radius, velocity=velocity)
+        flux, radius, velocity = _arrays(
+            {"flux": flux, "radius": radius, "velocity": velocity}
+        )
         positive("radius", radius)
         not_negative("velocity", velocity)
         t = np.arange(-4.2, 3.2, 0.02)
@@ -207,7 +210,7 @@ def _jaeger(u: np.ndarray) -> np.ndarray:
     return np.where(u == 0, 0.0, np.where(u > 0, ahead, -behind))
 
 
-def _arrays(**values: ArrayLike) -> list[np.ndarray]:
+def _arrays(values: Mapping[str, ArrayLike]) -> list[np.ndarray]:
     return list(
         np.broadcast_arrays(
             *(as_float64(name, value) for name, value in values.items())

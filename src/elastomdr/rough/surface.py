@@ -557,12 +557,13 @@ def _with_adhesion(
     field = partial(answer.field, scene.shape)
     hysteresis, pressure = answer.hot, scene.full(scene.value)
     area, cold_area = field(hysteresis.area), field(answer.cold.area)
-    stress, fields = None, {}
+    stress = None
     if heat is not None:
         stress = adhesion.shear_stress(
             scene.full(scene.velocity), scene.full(scene.temperature)
         )
-        fields = {"cold": curve.cold + stress * cold_area / pressure}
+        cold = curve.cold + stress * cold_area / pressure
+        curve = dataclasses.replace(curve, cold=cold)
     both = sheared(
         curve,
         adhesion,
@@ -577,7 +578,6 @@ def _with_adhesion(
             of_area=True,
         ),
         "area of real contact",
-        **fields,
     )
     if heat is None or scene.traced:
         return both

@@ -170,7 +170,7 @@ def _check_points(r: Array, z: Array) -> None:
     """Raises `InputError` unless they are radii from 0 on and heights that do not
     fall.
     """
-    alike(4, r=r, z=z)
+    alike(4, {"r": r, "z": z})
     untraced("r", r, "a Profile is differentiable in its heights z only")
     not_negative("r", r)
     ascending("r", r)

@@ -49,7 +49,7 @@ class RoughLine(Tree):
 
     def __init__(self, x: ArrayLike, height: ArrayLike, *, resample: bool = False):
         x, height = as_float64("x", x), as_float64("height", height)
-        alike(4, x=x, height=height)
+        alike(4, {"x": x, "height": height})
         untraced("x", x, "a RoughLine is differentiable in its heights")
         finite("x", x)
         finite("height", height)

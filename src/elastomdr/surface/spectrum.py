@@ -374,7 +374,7 @@ class Spectrum(AbstractSpectrum):
                 f"q, got a map of shape {c.shape}: "
                 "average it over directions, or give the heights to em.read_surface."
             )
-        alike(2, q=q, c=c)
+        alike(2, {"q": q, "c": c})
         positive("q", q)
         ascending("q", q)
         positive("c", c)

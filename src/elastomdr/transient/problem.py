@@ -273,7 +273,7 @@ def _path(time: Any, position: Any) -> tuple[np.ndarray, Any]:
             "differentiate in position instead."
         )
     time, position = as_float64("time", time), as_float64("position", position)
-    alike(2, time=time, position=position)
+    alike(2, {"time": time, "position": position})
     finite("time", time)
     finite("position", position)
     if (np.diff(time) < 0).any():
