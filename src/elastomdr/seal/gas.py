@@ -20,7 +20,7 @@ E. H. Kennard, Kinetic Theory of Gases (1938).
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -35,16 +35,30 @@ SAID = "; ideal gas that expands, with slip (estimate)"
 SAID_OF_MAPS = "; ideal gas that expands, with slip of each gap"
 
 
-def check_gas(given: dict[str, Any]) -> None:
+class LeakGiven(NamedTuple):
+    """What is given to `em.leak`, under its names, as arrays."""
+
+    pressure: Array  # the mean along the flow
+    pressure_drop: Array
+    viscosity: Array
+    length: Array
+    width: Array
+    density: Array | None = None
+    outlet_pressure: Array | None = None
+    mean_free_path: Array | None = None
+    molar_mass: Array | None = None
+    time: Array | None = None
+    temperature: Array | None = None
+
+
+def check_gas(given: LeakGiven) -> None:
     """Raises `InputError` unless there is all that a gas needs, or a liquid is
     meant.
     """
-    outlet, path, mass = (
-        given[name] for name in ("outlet_pressure", "mean_free_path", "molar_mass")
-    )
+    outlet, path, mass = given.outlet_pressure, given.mean_free_path, given.molar_mass
     if outlet is None:
-        for name in ("mean_free_path", "molar_mass"):
-            if given[name] is not None:
+        for name, value in (("mean_free_path", path), ("molar_mass", mass)):
+            if value is not None:
                 raise InputError(
                     f"{name} belongs to a gas: give outlet_pressure [Pa] as well, the "
                     "absolute pressure behind the seal, 101325 for the atmosphere."
@@ -56,7 +70,7 @@ def check_gas(given: dict[str, Any]) -> None:
             "with temperature, or mean_free_path [m] at the outlet (0: without slip), "
             f"got {'neither' if path is None else 'both'}."
         )
-    if mass is not None and given["temperature"] is None:
+    if mass is not None and given.temperature is None:
         raise InputError(
             "temperature [K] must be given with molar_mass: the mean free path of a gas "
             "depends on it. A rubber without a shift law is then the same at every "
@@ -65,7 +79,7 @@ def check_gas(given: dict[str, Any]) -> None:
     if mass is not None:
         accepted = "in kg/mol, at most 1 (0.028 of nitrogen)"
         require("molar_mass", mass, accepted, lambda x: (x > 0) & (x <= 1))
-    if mass is not None and given["density"] is not None:
+    if mass is not None and given.density is not None:
         raise InputError(
             "density must be left out with molar_mass, which gives that of the gas at "
             "the outlet."
@@ -80,17 +94,16 @@ def check_absolute(name: str, value: Array) -> None:
     require(name, value, accepted, lambda x: (x > 0) & np.isfinite(x))
 
 
-def gas_of(given: dict[str, Any]) -> Fluid:
-    """The gas, and into `given` its density at the outlet."""
-    outlet, temperature, mass = (
-        given[name] for name in ("outlet_pressure", "temperature", "molar_mass")
-    )
-    path = given["mean_free_path"]
-    if mass is not None:
-        specific = GAS_CONSTANT * temperature / mass
-        path = given["viscosity"] / outlet * xp.sqrt(0.5 * np.pi * specific)
-        given["density"] = outlet / specific
-    return Fluid(1 / outlet, path)
+def fluid_of(given: LeakGiven) -> tuple[Fluid, LeakGiven]:
+    """The gas or liquid, and what is given with the density of a gas at the outlet."""
+    outlet, path, mass = given.outlet_pressure, given.mean_free_path, given.molar_mass
+    if outlet is None:
+        return Fluid(), given
+    if mass is not None and given.temperature is not None:
+        specific = GAS_CONSTANT * given.temperature / mass
+        path = given.viscosity / outlet * xp.sqrt(0.5 * np.pi * specific)
+        given = given._replace(density=outlet / specific)
+    return Fluid(1 / outlet, path), given
 
 
 def bound(model_error: Array | None, knudsen: Array) -> Any:

@@ -12,6 +12,7 @@ what a gas changes in `gas.py`.
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -53,7 +54,7 @@ from ..surface.topography import skewness_of
 from . import gap_maps, gas, leak_form
 from .along import AlongSeal, Fluid, PressedSeal, SealFlow, Uneven, even, uneven
 from .channels import Channels
-from .gas import check_absolute, check_gas
+from .gas import LeakGiven, check_absolute, check_gas, fluid_of
 from .leak_theories import CriticalConstriction, EffectiveMedium, LeakTheory
 from .o_ring import ORing, check_rubber
 from .pressure_profile import Profile, pressure_profile
@@ -437,37 +438,25 @@ def leak(
         },
         seal.peak,
     )
-    shape = broadcast_shape(**given)
-    soft, factor = softness(foundation, **_of_rubber(foundation, given))
-    gas_or_liquid = Fluid() if given["outlet_pressure"] is None else gas.gas_of(given)
+    shape = broadcast_shape(**given._asdict())
+    fluid, given = fluid_of(given)
+    temperature = _of_rubber(foundation, given)
+    soft, factor = softness(foundation, given.time, temperature)
     way = None if direction is None else _angle(direction)
-    pressed = PressedSeal(
-        chosen, surface, soft, given["pressure_drop"], gas_or_liquid, way
-    )
+    pressed = PressedSeal(chosen, surface, soft, given.pressure_drop, fluid, way)
     if seal.pressure_at is None:
-        flow = even(pressed, given["pressure"], given["length"])
+        flow = even(pressed, given.pressure, given.length)
     else:
-        flow = _along(pressed, seal, seal.pressure_at, given)
+        flow = _along(pressed, seal, seal.pressure_at)
     good = xp.broadcast_to(flow.good, shape)
     warn_unless(good, "points")
     factor = xp.broadcast_to(xp.asarray(factor), shape)
-    temperatures = given["temperature"]
-    beyond = held_beyond(foundation.range, given["time"], temperatures, factor)
+    beyond = held_beyond(foundation.range, given.time, given.temperature, factor)
     too_hard = pressed_too_hard(xp.broadcast_to(seal.peak, shape), 1 / soft)
-    fields = _fields(given, flow, good, shape)
-    return Leak(
-        **fields,
-        marks=(
-            *beyond,
-            *too_hard,
-            *_wide_by_heights(pressed, fields["model_error"], good),
-        ),
-        slip_estimated=given["outlet_pressure"] is not None
-        and not flow.slips_by_itself,
-        model=_model_in_words(given, flow),
-        plan=flow.work,
-        inputs=tuple(_inputs_in_words(foundation, pressed, given, seal)),
-    )
+    inputs = tuple(_inputs_in_words(foundation, pressed, given, seal))
+    found = _found(given, flow, good, inputs)
+    wide = _wide_by_heights(pressed, found.model_error, good)
+    return dataclasses.replace(found, marks=(*beyond, *too_hard, *wide))
 
 
 def _angle(direction: float) -> float:
@@ -566,7 +555,6 @@ def _along(
     pressed: PressedSeal,
     seal: _Seal,
     pressure_at: Callable[[Array], Array],
-    given: dict[str, Any],
 ) -> SealFlow:
     """The flow where the pressure changes along it, in the shape of its points."""
     soft, drop, (expands, path) = pressed.soft, pressed.drop, pressed.fluid
@@ -598,18 +586,16 @@ def _along(
     return flow._replace(**of_points, profile=AlongSeal(*places))
 
 
-def _of_rubber(foundation: Foundation, given: dict[str, Any]) -> dict[str, Any]:
-    """Time and temperature as the rubber has them: a temperature that a gas needs does
-    not change a rubber without a law for it.
+def _of_rubber(foundation: Foundation, given: LeakGiven) -> Array | None:
+    """The temperature as the rubber has it: one that a gas needs does not change a
+    rubber without a law for it.
     """
     lawless = foundation.shift is None and foundation.vertical is None
-    only_gas = lawless and given["molar_mass"] is not None
-    temperature = None if only_gas else given["temperature"]
-    return {"time": given["time"], "temperature": temperature}
+    return None if lawless and given.molar_mass is not None else given.temperature
 
 
-def _model_in_words(given: dict[str, Any], flow: SealFlow) -> str:
-    if given["outlet_pressure"] is None:
+def _model_in_words(given: LeakGiven, flow: SealFlow) -> str:
+    if given.outlet_pressure is None:
         return flow.said
     return flow.said + (gas.SAID_OF_MAPS if flow.slips_by_itself else gas.SAID)
 
@@ -640,16 +626,28 @@ def pressed_bodies(
 _CHECKS = {"outlet_pressure": check_absolute, "mean_free_path": not_negative}
 
 
-def _checked(arguments: dict[str, Any], peak: ArrayLike) -> dict[str, Any]:
+def _checked(arguments: dict[str, ArrayLike | None], peak: ArrayLike) -> LeakGiven:
     """The arguments as arrays. Raises `InputError`."""
-    given: dict[str, Any] = dict.fromkeys(arguments)
-    for name, value in arguments.items():
-        if value is not None:
-            given[name] = as_float64(name, value)
-            _CHECKS.get(name, positive)(name, given[name])
+    arrays = {
+        name: as_float64(name, value)
+        for name, value in arguments.items()
+        if value is not None
+    }
+    for name, value in arrays.items():
+        _CHECKS.get(name, positive)(name, value)
+    kinematic = arrays.pop("kinematic_viscosity", None)
+    only_one(viscosity=arrays.get("viscosity"), kinematic_viscosity=kinematic)
+    if kinematic is not None:
+        if "density" not in arrays or "outlet_pressure" in arrays:
+            raise InputError(
+                "kinematic_viscosity [m^2/s] needs the density [kg/m^3] of a liquid: "
+                "their product is the dynamic viscosity, which a gas has at every "
+                "pressure."
+            )
+        arrays["viscosity"] = kinematic * arrays["density"]
+    given = LeakGiven(**arrays)
     check_gas(given)
-    _take_viscosity(given)
-    drop, peak = given["pressure_drop"], as_float64("pressure", peak)
+    drop, peak = given.pressure_drop, as_float64("pressure", peak)
     broadcast_shape(pressure=peak, pressure_drop=drop)
     if not is_traced(peak, drop) and not certain(np.less, drop, peak):
         pairs = np.broadcast_arrays(drop, peak)
@@ -663,20 +661,6 @@ def _checked(arguments: dict[str, Any], peak: ArrayLike) -> dict[str, Any]:
             "the squeeze and that of the fluid."
         )
     return given
-
-
-def _take_viscosity(given: dict[str, Any]) -> None:
-    """The dynamic viscosity, of whichever is given. Raises `InputError`."""
-    kinematic = given.pop("kinematic_viscosity")
-    only_one(viscosity=given["viscosity"], kinematic_viscosity=kinematic)
-    if kinematic is None:
-        return
-    if given["density"] is None or given["outlet_pressure"] is not None:
-        raise InputError(
-            "kinematic_viscosity [m^2/s] needs the density [kg/m^3] of a liquid: their "
-            "product is the dynamic viscosity, which a gas has at every pressure."
-        )
-    given["viscosity"] = kinematic * given["density"]
 
 
 def softness(
@@ -694,20 +678,20 @@ def softness(
     return compliance / vertical + 0.0, factor
 
 
-def _fields(
-    given: dict[str, Any], flow: SealFlow, good: Array, shape: tuple[int, ...]
-) -> dict[str, Any]:
-    """The numbers of the result."""
-    outlet, model_error = given["outlet_pressure"], flow.model_error
+def _found(
+    given: LeakGiven, flow: SealFlow, good: Array, inputs: tuple[tuple[str, str], ...]
+) -> Leak:
+    """The result but for its marks, one of which depends on its bound."""
+    outlet, model_error = given.outlet_pressure, flow.model_error
     expansion, knudsen = 1.0, None
     flows = flow.through > 0
     if outlet is not None:
-        expansion = 1 + 0.5 * given["pressure_drop"] / outlet
+        expansion = 1 + 0.5 * given.pressure_drop / outlet
         knudsen = xp.where(flows, flow.slip, xp.nan)
         model_error = gas.bound(model_error, knudsen)
-    conductance = flow.through / expansion / (12 * given["viscosity"])
-    rate = given["width"] / given["length"] * conductance * given["pressure_drop"]
-    rate, density = rate * expansion, given["density"]
+    conductance = flow.through / expansion / (12 * given.viscosity)
+    rate = given.width / given.length * conductance * given.pressure_drop
+    rate, density = rate * expansion, given.density
     numbers = {
         "rate": rate,
         "mass_rate": None if density is None else rate * density,
@@ -720,18 +704,11 @@ def _fields(
         "model_error": model_error,
         "knudsen": knudsen,
     }
+    shape = good.shape
     fields = {
         name: None if value is None else nan_unless(good, xp.broadcast_to(value, shape))
         for name, value in numbers.items()
     }
-    kept = (
-        "pressure",
-        "pressure_drop",
-        "viscosity",
-        "outlet_pressure",
-        "time",
-        "temperature",
-    )
     profile = None
     if flow.profile is not None:
         places = (
@@ -741,15 +718,24 @@ def _fields(
         profile = AlongSeal(
             *(np.where(good[..., None], each, np.nan) for each in places)
         )
-    return {
+    return Leak(
         **broadcast(
-            **{name: given[name] for name in kept},
+            pressure=given.pressure,
+            pressure_drop=given.pressure_drop,
+            viscosity=given.viscosity,
+            outlet_pressure=outlet,
+            time=given.time,
+            temperature=given.temperature,
             **fields,
             percolates=flows,
             converged=good,
         ),
-        "profile": profile,
-    }
+        profile=profile,
+        slip_estimated=outlet is not None and not flow.slips_by_itself,
+        model=_model_in_words(given, flow),
+        plan=flow.work,
+        inputs=inputs,
+    )
 
 
 def _heights_in_words(pressed: PressedSeal) -> list[str]:
@@ -787,7 +773,7 @@ def _wide_by_heights(
 
 
 def _inputs_in_words(
-    foundation: Foundation, pressed: PressedSeal, given: dict[str, Any], seal: _Seal
+    foundation: Foundation, pressed: PressedSeal, given: LeakGiven, seal: _Seal
 ) -> list[tuple[str, str]]:
     surface, direction = pressed.surface, pressed.direction
     words = "" if is_traced(surface) else f", {surface.words()}"
@@ -797,9 +783,9 @@ def _inputs_in_words(
         ("roughness", BOTH),
     ]
     inputs += [
-        (name.replace("_", " "), brief(given[name], unit))
+        (name.replace("_", " "), brief(value, unit))
         for name, unit in _UNITS.items()
-        if given[name] is not None
+        if (value := getattr(given, name)) is not None
     ]
     if seal.said:
         inputs.append(("profile", seal.said))
@@ -808,6 +794,6 @@ def _inputs_in_words(
         known = "" if lay_of(surface) is not None else ": no lay is known"
         inputs.append(("direction", f"{brief(direction, 'rad')} to the lay{known}"))
     inputs += [("heights", remark) for remark in _heights_in_words(pressed)]
-    if _of_rubber(foundation, given)["temperature"] is not given["temperature"]:
+    if _of_rubber(foundation, given) is not given.temperature:
         inputs.append(("rubber", "without a shift law, the same at every temperature"))
-    return inputs if given["time"] is not None else [*inputs, ("relaxed", "completely")]
+    return inputs if given.time is not None else [*inputs, ("relaxed", "completely")]
