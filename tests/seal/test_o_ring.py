@@ -141,6 +141,10 @@ def test_derivatives(formula):
         ({"squeeze": 0.31, "formula": "held"}, "at most 0.3, a part"),
         ({"fluid_pressure": -1.0}, "fluid_pressure must be zero or positive"),
         ({"groove_width": 3e-3}, "wider than the squeezed cord"),
+        (
+            {"squeeze": [0.1, 0.2], "groove_width": [5e-3, 5e-3, 5e-3]},
+            "must broadcast, got .* groove_width of shape",
+        ),
         ({"squeeze": 0.0}, "squeeze must be positive"),
         ({"diameter": -1.0}, "diameter must be positive"),
         ({"time": -1.0}, "time must be zero or positive"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -63,6 +63,19 @@ def brief(array: ArrayLike, unit: str) -> str:
     digits = 6 if unit == "K" else 4  # 0 degC is 273.15 K
     low, high = (f"{float(x):.{digits}g}" for x in (array.min(), array.max()))
     return f"{low} to {high} {unit} ({array.size} values)"
+
+
+def given_in_words(given: NamedTuple, units: dict[str, str]) -> list[tuple[str, str]]:
+    """Those arguments of a held contact that were given and have a unit, by name; rubber
+    that is held without a time is relaxed.
+    """
+    values = given._asdict()
+    rows = [
+        (name.replace("_", " "), brief(values[name], unit))
+        for name, unit in units.items()
+        if values[name] is not None
+    ]
+    return rows if values["time"] is not None else [*rows, ("relaxed", "completely")]
 
 
 def length_in_words(metres: float) -> str:

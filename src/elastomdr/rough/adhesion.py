@@ -49,7 +49,8 @@ _DECADE = float(np.log(10.0))
 MOST_SHEAR = 1.0  # tau A/F_N above which the sum is no prediction (docs/rough.md)
 # relative bound of a real contact below which not its area decides how far the sum may be
 # off, but what a shear law leaves out: contacts that shear changes, bonds that grow
-_KNOWN = 0.02
+# in sliding and at rest
+KNOWN_AREA = 0.02
 _SKEWED = 0.2  # of 1 - b/a: against 56 contacts in three dimensions (docs/accuracy.md)
 # relative error of an area of 64 by 64 cells about the contact, its border corrected
 _STAIRCASE = 0.01
@@ -163,6 +164,21 @@ def check_adhesion(
         )
 
 
+def shear_law(
+    shear: float | AdhesiveShear, temperature: ArrayLike | None
+) -> AdhesiveShear:
+    """The law of a `boundary_shear`, which may be one stress [Pa]. Raises
+    `InputError`.
+    """
+    if not isinstance(shear, AdhesiveShear):
+        stress = as_float64("boundary_shear", shear)
+        positive("boundary_shear", stress)
+        return AdhesiveShear(stress, 1.0, 0.0)
+    if shear.shift is not None and temperature is None:
+        raise InputError("boundary_shear has a shift law and needs a temperature [K].")
+    return shear
+
+
 def sheared(
     curve: FrictionCurve,
     adhesion: AdhesiveShear,
@@ -189,7 +205,7 @@ def sheared(
     mu = curve.mu + added
     complete = None
     if curve.area_ratio is not None and bound is not None:
-        complete = xp.asarray(bound < _KNOWN)
+        complete = xp.asarray(bound < KNOWN_AREA)
         bound = xp.where(complete, xp.nan, bound)
     return dataclasses.replace(
         curve,

@@ -22,26 +22,22 @@ from ..arrays import numpy_unless_traced, stop_gradient, xp
 from ..call.extrapolation import held_beyond, pressed_too_hard
 from ..call.several_materials import over_materials
 from ..checks import (
-    as_float64,
     broadcast,
     broadcast_shape,
-    is_traced,
     nan_unless,
-    positive,
     positive_arrays,
     warn_unless,
 )
 from ..element.law import Foundation
 from ..errors import InputError
-from ..material.validity import material_in_words
 from ..models import Model, as_model
 from ..results.base import Array, Result, quantity, record
-from ..results.words import brief, span
-from ..rough.adhesion import MOST_SHEAR, AdhesiveShear
+from ..results.words import given_in_words, span
+from ..rough.adhesion import KNOWN_AREA, MOST_SHEAR, AdhesiveShear, shear_law
 from ..rough.local_modulus import Local
 from ..rough.road_models import Multiscale, Persson
 from ..rough.surface import bound_of_heights
-from .leak import BOTH, pressed_bodies, softness
+from .leak import bodies_in_words, pressed_bodies, softness
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,9 +48,6 @@ if TYPE_CHECKING:
 
 _KINDS: dict[str, type[Model]] = {k.label: k for k in (Multiscale, Persson)}
 _RTOL, _MOST = 1e-6, 1e-3  # of the area that is aimed at, and at most
-# relative bound of the real contact below which not that decides how far the coefficient
-# may be off, but what is left out of the stress: bonds that grow stronger at rest
-_FULL = 0.02
 _UNITS = {"pressure": "Pa", "time": "s", "velocity": "m/s", "temperature": "K"}
 
 
@@ -179,28 +172,28 @@ def break_out(
             "model must be em.Multiscale() or em.Persson() for a break-out, got "
             f"{chosen!r}."
         )
-    shear = _checked_shear(boundary_shear, temperature)
-    arguments = {"pressure": pressure, "time": time}
-    arguments |= {"velocity": velocity, "temperature": temperature}
-    given: dict[str, Any] = dict.fromkeys(arguments) | positive_arrays(**arguments)
-    shape = broadcast_shape(**given)
-    soft, factor = softness(foundation, given["time"], given["temperature"])
-    relative_pressure = given["pressure"] * soft
-    contact = _contact(chosen, surface, relative_pressure)
+    shear = shear_law(boundary_shear, temperature)
+    arrays = positive_arrays(
+        pressure=pressure, time=time, velocity=velocity, temperature=temperature
+    )
+    given = _Start(**arrays)
+    shape = broadcast_shape(**arrays)
+    soft, factor = softness(foundation, given.time, given.temperature)
+    contact = _contact(chosen, surface, given.pressure * soft)
     stress = _largest_stress(shear, given)
-    mu = stress * contact.area / given["pressure"]
+    mu = stress * contact.area / given.pressure
     good = xp.broadcast_to(contact.good, shape)
     warn_unless(good, "points")
     factor = xp.broadcast_to(factor, shape)
-    temperatures = given["temperature"]
-    beyond = held_beyond(foundation.range, given["time"], temperatures, factor)
+    beyond = held_beyond(foundation.range, given.time, given.temperature, factor)
+    too_hard = pressed_too_hard(xp.broadcast_to(given.pressure, shape), 1 / soft)
     numbers = {
         "mu": mu,
         "area_ratio": contact.area,
         "shear_stress": stress,
         "error": mu * contact.error,
         "model_error": xp.where(
-            (mu > MOST_SHEAR) | (contact.bound < _FULL), xp.nan, mu * contact.bound
+            (mu > MOST_SHEAR) | (contact.bound < KNOWN_AREA), xp.nan, mu * contact.bound
         ),
     }
     fields = {
@@ -208,15 +201,28 @@ def break_out(
         for name, value in numbers.items()
     }
     return BreakOut(
-        **broadcast(**given, **fields, converged=good),
-        marks=(
-            *beyond,
-            *pressed_too_hard(xp.broadcast_to(given["pressure"], shape), 1 / soft),
-        ),
+        **broadcast(**given._asdict(), **fields, converged=good),
+        marks=(*beyond, *too_hard),
         model=f"{chosen.words()}; its shear at once",
         plan="real contact of an elastic body with the creep of the dwell",
-        inputs=tuple(_in_words(foundation, surface, shear, given)),
+        inputs=(
+            *bodies_in_words(foundation, surface),
+            ("shear of the contact", shear.words()),
+            *(
+                ("dwell" if name == "time" else name, said)
+                for name, said in given_in_words(given, _UNITS)
+            ),
+        ),
     )
+
+
+class _Start(NamedTuple):
+    """What is given to `em.break_out`, under its names, as arrays."""
+
+    pressure: Array
+    time: Array | None = None
+    velocity: Array | None = None
+    temperature: Array | None = None
 
 
 class _RealContact(NamedTuple):
@@ -246,47 +252,12 @@ def _contact(
     return _RealContact(*(xp.reshape(x, relative_pressure.shape) for x in numbers))
 
 
-def _checked_shear(
-    shear: float | AdhesiveShear, temperature: ArrayLike | None
-) -> AdhesiveShear:
-    """The shear of the real contact as a law. Raises `InputError`."""
-    if not isinstance(shear, AdhesiveShear):
-        stress = as_float64("boundary_shear", shear)
-        positive("boundary_shear", stress)
-        return AdhesiveShear(stress, 1.0, 0.0)
-    if shear.shift is not None and temperature is None:
-        raise InputError("boundary_shear has a shift law and needs a temperature [K].")
-    return shear
-
-
-def _largest_stress(shear: AdhesiveShear, given: dict[str, Any]) -> Any:
+def _largest_stress(shear: AdhesiveShear, given: _Start) -> Any:
     """The largest stress up to the velocity [Pa]: beyond its maximum, that."""
-    velocity = given["velocity"]
-    if velocity is None:
+    if given.velocity is None:
         return shear.stress
-    temperature: Any = None if shear.shift is None else given["temperature"]
-    peak = shear.velocity
-    if shear.shift is not None:
+    peak, temperature = shear.velocity, None
+    if shear.shift is not None and given.temperature is not None:
+        temperature = given.temperature
         peak = peak / shear.shift.a(temperature)
-    return shear.shear_stress(xp.minimum(velocity, peak), temperature)
-
-
-def _in_words(
-    foundation: Foundation,
-    surface: AbstractSpectrum,
-    shear: AdhesiveShear,
-    given: dict[str, Any],
-) -> list[tuple[str, str]]:
-    words = "" if is_traced(surface) else f", {surface.words()}"
-    inputs = [
-        *material_in_words(foundation),
-        ("surface", f"{surface.label}{words}"),
-        ("roughness", BOTH),
-        ("shear of the contact", shear.words()),
-    ]
-    inputs += [
-        ("dwell" if name == "time" else name, brief(given[name], unit))
-        for name, unit in _UNITS.items()
-        if given[name] is not None
-    ]
-    return inputs if given["time"] is not None else [*inputs, ("relaxed", "completely")]
+    return shear.shear_stress(xp.minimum(given.velocity, peak), temperature)

@@ -46,7 +46,7 @@ from ..material.validity import material_in_words
 from ..models import Model, as_model, seeds_of
 from ..results.base import WIDE, Array, Result, quantity, record, setting
 from ..results.doubts import Doubt
-from ..results.words import brief, in_unit, span
+from ..results.words import brief, given_in_words, in_unit, span
 from ..rough.road_models import HalfSpace, Multiscale
 from ..surface.lay import lay_of
 from ..surface.spectrum import as_spectrum
@@ -772,21 +772,24 @@ def _wide_by_heights(
     return (Doubt("bound", wide, says, remedy),)
 
 
-def _inputs_in_words(
-    foundation: Foundation, pressed: PressedSeal, given: LeakGiven, seal: _Seal
+def bodies_in_words(
+    foundation: Foundation, surface: AbstractSpectrum
 ) -> list[tuple[str, str]]:
-    surface, direction = pressed.surface, pressed.direction
+    """The rubber, the surface, and where the roughness is."""
     words = "" if is_traced(surface) else f", {surface.words()}"
-    inputs = [
+    return [
         *material_in_words(foundation),
         ("surface", f"{surface.label}{words}"),
         ("roughness", BOTH),
     ]
-    inputs += [
-        (name.replace("_", " "), brief(value, unit))
-        for name, unit in _UNITS.items()
-        if (value := getattr(given, name)) is not None
-    ]
+
+
+def _inputs_in_words(
+    foundation: Foundation, pressed: PressedSeal, given: LeakGiven, seal: _Seal
+) -> list[tuple[str, str]]:
+    surface, direction = pressed.surface, pressed.direction
+    inputs = bodies_in_words(foundation, surface)
+    inputs += given_in_words(given, _UNITS)
     if seal.said:
         inputs.append(("profile", seal.said))
     inputs += [("as read", remark) for remark in getattr(surface, "report", ())]
@@ -796,4 +799,4 @@ def _inputs_in_words(
     inputs += [("heights", remark) for remark in _heights_in_words(pressed)]
     if _of_rubber(foundation, given) is not given.temperature:
         inputs.append(("rubber", "without a shift law, the same at every temperature"))
-    return inputs if given.time is not None else [*inputs, ("relaxed", "completely")]
+    return inputs

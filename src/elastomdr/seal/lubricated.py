@@ -33,12 +33,10 @@ from ..call.extrapolation import (
 from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import (
-    as_float64,
     broadcast_shape,
     in_kelvin,
     is_traced,
     one_of,
-    positive,
     positive_arrays,
     warn_unless,
 )
@@ -51,7 +49,7 @@ from ..numerics.interpolation import halving_limit
 from ..results.base import Array, Result, part, quantity, record
 from ..results.doubts import Doubt, where
 from ..results.words import brief, describe, in_unit, span
-from ..rough.adhesion import AdhesiveShear
+from ..rough.adhesion import AdhesiveShear, shear_law
 from ..smooth.problem import SmoothCall
 from ..surface.shapes import Cylinder
 from ..surface.spectrum import AbstractSpectrum, as_spectrum
@@ -433,15 +431,7 @@ def _checked_shear(
             "boundary_shear acts where a rough surface touches: give surface, or leave "
             "it out on a smooth one, which the film keeps apart."
         )
-    if isinstance(shear, AdhesiveShear):
-        if shear.shift is not None and temperature is None:
-            raise InputError(
-                "boundary_shear has a shift law and needs a temperature [K]."
-            )
-        return shear
-    stress = as_float64("boundary_shear", shear)
-    positive("boundary_shear", stress)
-    return AdhesiveShear(stress, 1.0, 0.0)
+    return shear_law(shear, temperature)
 
 
 class _Scales(NamedTuple):

@@ -31,7 +31,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -57,7 +57,7 @@ from ..material.tabulated import needs_series
 from ..material.validity import material_in_words
 from ..results.base import Array, Result, quantity, record
 from ..results.doubts import Doubt
-from ..results.words import brief, in_unit, span
+from ..results.words import given_in_words, in_unit, span
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -279,10 +279,14 @@ def o_ring(
     """
     solid = _checked_material(material)
     one_of("formula", formula, *FORMULAS)
-    given = _checked(diameter, squeeze, time, temperature, _LARGEST_SQUEEZE[formula])
-    further = _checked_groove(given, fluid_pressure, groove_width)
+    arguments = {"diameter": diameter, "squeeze": squeeze}
+    arguments |= {"time": time, "temperature": temperature}
+    arguments |= {"fluid_pressure": fluid_pressure, "groove_width": groove_width}
+    given = _checked(arguments, _LARGEST_SQUEEZE[formula])
+    shape = broadcast_shape(**given._asdict())
+    _check_groove(given)
     young, plane = (
-        _modulus(law, solid, given["time"], given["temperature"])
+        _modulus(law, solid, given.time, given.temperature)
         for law in (solid.tensile().law(), normal_operator(solid))
     )
     if not is_traced(young) and not np.all(young > 0):
@@ -290,29 +294,42 @@ def o_ring(
             "time must be given for a material without an equilibrium modulus: it "
             "relaxes completely."
         )
-    shape = broadcast_shape(**given, **further)
-    size = given["diameter"], given["squeeze"], young, plane
-    load, width = _load_and_width(*size, formula)
-    ends = [_load_and_width(*size, name)[0] for name in ("held", "free")]
-    off = xp.maximum(*(xp.abs(end - load) for end in ends))
-    beyond = _extrapolated(solid, given["time"], given["temperature"], shape)
-    fields: dict[str, Any] = {
-        **given,
-        "line_load": load,
-        "width": width,
-        "pressure": load / width,
-        "error": 0.0,
-        "model_error": off,
-        **_with_fluid(young / plane, load / width, given, further),
-        "converged": True,
-    }
+    load, width = _load_and_width(given, young, plane, formula)
+    ends = [_load_and_width(given, young, plane, name)[0] for name in ("held", "free")]
+    pressure = load / width
+    fields = broadcast(
+        diameter=given.diameter,
+        squeeze=given.squeeze,
+        time=given.time,
+        temperature=given.temperature,
+        line_load=load,
+        width=width,
+        pressure=pressure,
+        error=0.0,
+        model_error=xp.maximum(*(xp.abs(end - load) for end in ends)),
+        fluid_pressure=given.fluid_pressure,
+        sealing_pressure=_sealing_pressure(given, pressure, young / plane),
+        fill=_fill(given),
+        converged=True,
+    )
     return ORing(
-        **broadcast(**fields),
-        marks=beyond,
+        **fields,
+        marks=_extrapolated(solid, given.time, given.temperature, shape),
         model=FORMULAS[formula],
         plan="closed form",
-        inputs=tuple(_inputs_in_words(solid, given | further)),
+        inputs=(*material_in_words(solid), *given_in_words(given, _UNITS)),
     )
+
+
+class _Cord(NamedTuple):
+    """What is given to `em.o_ring`, under its names, as arrays."""
+
+    diameter: Array
+    squeeze: Array
+    time: Array | None = None
+    temperature: Array | None = None
+    fluid_pressure: Array | None = None
+    groove_width: Array | None = None
 
 
 def _checked_material(material: object) -> Prony:
@@ -327,28 +344,19 @@ def _checked_material(material: object) -> Prony:
     return material
 
 
-def _checked(
-    diameter: ArrayLike,
-    squeeze: ArrayLike,
-    time: ArrayLike | None,
-    temperature: ArrayLike | None,
-    largest: float,
-) -> dict[str, Any]:
+def _checked(arguments: dict[str, ArrayLike | None], largest: float) -> _Cord:
     """The arguments as arrays. Raises `InputError`."""
-    arguments = {
-        "diameter": diameter,
-        "squeeze": squeeze,
-        "time": time,
-        "temperature": temperature,
-    }
-    given = {
-        name: None if value is None else as_float64(name, value)
-        for name, value in arguments.items()
-    }
-    positive("diameter", given["diameter"])
+    given = _Cord(
+        **{
+            name: as_float64(name, value)
+            for name, value in arguments.items()
+            if value is not None
+        }
+    )
+    positive("diameter", given.diameter)
     require(
         "squeeze",
-        given["squeeze"],
+        given.squeeze,
         f"positive and at most {largest:g}, a part of the diameter (0.15 for 15 %), up "
         f"to which the formula was checked{_FARTHER if largest < 0.3 else ''}",
         lambda c: (c > 0) & (c <= largest),
@@ -356,53 +364,43 @@ def _checked(
     return given
 
 
-def _checked_groove(
-    given: dict[str, Any],
-    fluid_pressure: ArrayLike | None,
-    groove_width: ArrayLike | None,
-) -> dict[str, Any]:
-    """Pressure of the fluid and width of the groove. Raises `InputError` for a groove
-    that confines the cord, for which no formula holds.
+def _check_groove(given: _Cord) -> None:
+    """Raises `InputError` for a pressure of the fluid below zero, and a groove that
+    confines the cord, for which no formula holds.
     """
-    further: dict[str, Any] = {}
-    if fluid_pressure is not None:
-        further["fluid_pressure"] = as_float64("fluid_pressure", fluid_pressure)
-        not_negative("fluid_pressure", further["fluid_pressure"])
-    if groove_width is not None:
-        width = further["groove_width"] = as_float64("groove_width", groove_width)
-        positive("groove_width", width)
-        squeeze = given["squeeze"]
-        cord = given["diameter"] * (1 + _BULGE[0] * squeeze + _BULGE[1] * squeeze**2)
+    if given.fluid_pressure is not None:
+        not_negative("fluid_pressure", given.fluid_pressure)
+    if given.groove_width is not None:
+        positive("groove_width", given.groove_width)
+        squeeze = given.squeeze
+        cord = given.diameter * (1 + _BULGE[0] * squeeze + _BULGE[1] * squeeze**2)
         require(
             "groove_width",
-            width,
+            given.groove_width,
             "wider than the squeezed cord (bulged, at most "
             f"{1e3 * float(np.max(stop_gradient(cord))):.4g} mm): beside a cord that touches "
             "the sides of its groove no formula holds",
             lambda w: w > stop_gradient(cord),
         )
-    return further
 
 
-def _with_fluid(
-    young_over_plane: Array,
-    pressure: Array,
-    given: dict[str, Any],
-    further: dict[str, Any],
-) -> dict[str, Any]:
-    """Sealing pressure and fill of the groove, where they are asked for; E/E* = 1 -
-    nu^2.
-    """
-    fields = {}
-    if (fluid := further.get("fluid_pressure")) is not None:
-        poisson = xp.sqrt(1 - young_over_plane)
-        passed_on = poisson / (1 - poisson)
-        fields["fluid_pressure"] = fluid
-        fields["sealing_pressure"] = pressure + passed_on * fluid
-    if (width := further.get("groove_width")) is not None:
-        height = given["diameter"] * (1 - given["squeeze"])
-        fields["fill"] = np.pi / 4 * given["diameter"] ** 2 / (width * height)
-    return fields
+def _sealing_pressure(
+    given: _Cord, pressure: Array, young_over_plane: Array
+) -> Array | None:
+    """With what the fluid adds, where it is given; E/E* = 1 - nu^2."""
+    if given.fluid_pressure is None:
+        return None
+    poisson = xp.sqrt(1 - young_over_plane)
+    passed_on = poisson / (1 - poisson)
+    return pressure + passed_on * given.fluid_pressure
+
+
+def _fill(given: _Cord) -> Array | None:
+    """Of the groove, where its width is given."""
+    if given.groove_width is None:
+        return None
+    height = given.diameter * (1 - given.squeeze)
+    return np.pi / 4 * given.diameter**2 / (given.groove_width * height)
 
 
 def _modulus(
@@ -447,9 +445,10 @@ def check_rubber(material: object, ring: object) -> None:
 
 
 def _load_and_width(
-    diameter: Array, squeeze: Array, young: Array, plane: Array, formula: str
+    given: _Cord, young: Array, plane: Array, formula: str
 ) -> tuple[Any, Any]:
     """W [N/m], and the width 2a = sqrt(8 W d/(pi E*)) [m]."""
+    diameter, squeeze = given.diameter, given.squeeze
     if formula == "lindley":
         load_per_modulus = 1.25 * squeeze**1.5 + 50 * squeeze**6
         modulus = young
@@ -493,13 +492,3 @@ def _extrapolated(
         temperature,
         xp.broadcast_to(xp.asarray(time_factor), shape),
     )
-
-
-def _inputs_in_words(material: Prony, given: dict[str, Any]) -> list[tuple[str, str]]:
-    inputs = material_in_words(material)
-    inputs += [
-        (name.replace("_", " "), brief(given[name], unit))
-        for name, unit in _UNITS.items()
-        if given.get(name) is not None
-    ]
-    return inputs if given["time"] is not None else [*inputs, ("relaxed", "completely")]
