@@ -498,7 +498,7 @@ def test_cards_of_friction_that_is_zero():
 
 def test_cards_of_a_result():
     from elastomdr.app.cards import cards
-    from elastomdr.app.start import example
+    from elastomdr.app.page import example
 
     result = example().result
     *tops, sure, surer = cards(result)
@@ -527,7 +527,7 @@ def test_one_velocity_and_three_temperatures():
     is extrapolated is marked alone.
     """
     from elastomdr.app.cards import cards
-    from elastomdr.app.sliders import _readings
+    from elastomdr.app.computed import _readings
 
     result = at_one_velocity()
     assert result.extrapolated.tolist() == [True, False, False]
@@ -548,7 +548,7 @@ def test_one_velocity_and_three_temperatures():
 @pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")
 def test_a_reading_of_a_curve():
     """Between its points; what is not known, or lies beyond the data, is said."""
-    from elastomdr.app.sliders import _readings
+    from elastomdr.app.computed import _readings
 
     result = em.friction(
         em.load_material("epdm-70"),
@@ -624,7 +624,7 @@ def test_what_dominates_comes_first():
 
 def test_cards_and_readings_of_draws_are_of_their_median(tmp_path):
     from elastomdr.app.cards import cards
-    from elastomdr.app.sliders import _readings
+    from elastomdr.app.computed import _readings
 
     content = {
         "material": "epdm-70",
@@ -689,7 +689,7 @@ def test_every_kind_of_doubt_is_on_the_cards():
 
 
 def test_the_slider_of_the_temperature_shows_tenths():
-    from elastomdr.app.sliders import _celsius
+    from elastomdr.app.computed import _celsius
 
     assert _celsius(273.15) == "0 degC"
     assert _celsius(273.15 - 0.04) == "0 degC"
@@ -783,8 +783,7 @@ def test_seals(tmp_path):
 
 def test_docs():
     """Each screen has a page of them, as the wheel and the site have it."""
-    from elastomdr.app.docs import PAGES, text
-    from elastomdr.app.page import _COMPUTED, _DOCS
+    from elastomdr.app.page import _COMPUTED, _DOCS, PAGES, text
 
     named = {*_DOCS.values(), *(screen.docs for screen in _COMPUTED.values())}
     assert named <= PAGES.keys()

@@ -8,7 +8,7 @@ import pytest
 from zarr.core.sync import sync
 
 import elastomdr as em
-from elastomdr.sweeps import grid, lock, run, storage
+from elastomdr.sweeps import grid, run, storage
 
 from .s3_server import Server
 
@@ -28,7 +28,7 @@ def small(monkeypatch):
     """Three chunks, in this process, and marks that are soon old."""
     monkeypatch.setattr(grid, "_POINTS", 7)
     monkeypatch.setattr(run, "_cores", lambda: 1)
-    monkeypatch.setattr(lock, "_RENEWAL", 0.05)
+    monkeypatch.setattr(storage, "_RENEWAL", 0.05)
 
 
 @pytest.fixture
@@ -79,7 +79,7 @@ def test_a_store_in_a_bucket(server, small):
 def test_one_process_at_a_time_without_locks(small):
     """A mark that its owner renews keeps others out; one that nobody renews does not."""
     files = storage.Files("memory://bucket/runs.zarr")
-    with lock.Alone(files).held() as alone:
+    with storage.Alone(files).held() as alone:
         with pytest.raises(em.InputError, match=r"in use by .*, process \d+"):
             swept(files.place)
         # one that came all the same is seen

@@ -27,8 +27,7 @@ from ..results.base import Quantity
 from ..results.doubts import FLAGS, TITLE, flags
 from .grid import Grid, grid, positional
 from .identity import modules_of_the_user
-from .lock import Alone
-from .storage import Files
+from .storage import Alone, Files
 from .store import DONE, OPEN, RAISED, Parts, ZarrStore
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from .. import __version__
 from ..errors import InputError, warn
 from .grid import Grid
 from .identity import Json, difference, not_comparable
-from .storage import Files
+from .storage import Files, remembered
 
 if TYPE_CHECKING:
     import xarray
@@ -176,8 +176,6 @@ class ZarrStore:
         something else, or not known.
         """
         import zarr
-
-        from .written import remembered
 
         place = self.files.place
         root, attributes = self.files.read([".zgroup", ".zattrs"])

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, Motion
     from ..call.several_materials import Plans
     from ..call.types import Indenter, Materials, ModelLike, Surface
-    from ..rough.periodic_plan import RoughPlan
+    from ..rough.line import RoughPlan
     from ..rough.surface import SurfacePlan
 
 

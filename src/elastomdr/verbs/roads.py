@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .._types import ArrayLike
     from ..call.types import Surface
     from ..results.curve import FrictionCurve
-    from ..rough.periodic_plan import RoughPlan
+    from ..rough.line import RoughPlan
     from ..rough.problem import RoughCall
     from ..rough.surface import SurfacePlan
     from ..surface.spectrum import AbstractSpectrum
