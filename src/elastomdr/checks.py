@@ -31,27 +31,6 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
-def needs_64_bit_types(function: Callable[P, R]) -> Callable[P, R]:
-    """Refuses arguments that JAX traces without 64-bit types: for programs in which JAX
-    would mix both widths when `function` has returned, under the caller's setting.
-    """
-
-    @functools.wraps(function)
-    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
-        if is_traced(args, kwargs) and not sys.modules["jax"].config.read(
-            "jax_enable_x64"
-        ):
-            raise InputError(
-                f"em.{function.__name__} under jit, grad or vmap needs JAX's 64-bit "
-                "types: put "
-                "`with jax.enable_x64(True):` around the call, or set "
-                "JAX_ENABLE_X64=1."
-            )
-        return function(*args, **kwargs)
-
-    return wrapper
-
-
 def one_kernel(function: Callable[..., R]) -> Callable[..., R]:
     """Compiles `function` of arrays into one kernel.
 

@@ -13,7 +13,7 @@ the roll with most of the load costs more than its share.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -181,6 +181,16 @@ class Conveyor(Result):
         )
 
 
+class _Given(NamedTuple):
+    """The arguments as arrays."""
+
+    velocity: Array
+    belt: Array
+    goods: Array
+    gravity: Array
+    temperature: Array | None
+
+
 class _Side(Tree):
     """One side of the belt, per length of it."""
 
@@ -242,21 +252,21 @@ def conveyor(
                 f"{name} must be em.Idlers(cover, roll, spacing=...), got {side!r}."
             )
     given = _checked(velocity, belt, goods, temperature, gravity)
-    points = broadcast(**given)
-    speed, temperatures = points["velocity"], points.get("temperature")
-    carry_weight = (points["belt"] + points["goods"]) * points["gravity"]
-    return_weight = points["belt"] * points["gravity"]
+    points = _Given(**broadcast(**given._asdict()))
+    speed, temperatures = points.velocity, points.temperature
+    carry_weight = (points.belt + points.goods) * points.gravity
+    return_weight = points.belt * points.gravity
     with warned_once():
         loaded = _solve_side(carry, carry_weight, speed, temperatures, model, rtol)
         empty = _solve_side(back, return_weight, speed, temperatures, model, rtol)
     converged = loaded.converged & empty.converged
-    weight = (2 * points["belt"] + points["goods"]) * points["gravity"]
+    weight = (2 * points.belt + points.goods) * points.gravity
     on_carry = nan_unless(converged, loaded.resistance)
     on_return = nan_unless(converged, empty.resistance)
     return Conveyor(
         velocity=speed,
-        belt=points["belt"],
-        goods=points["goods"],
+        belt=points.belt,
+        goods=points.goods,
         temperature=temperatures,
         carry=on_carry,
         back=on_return,
@@ -280,22 +290,18 @@ def _checked(
     goods: ArrayLike,
     temperature: ArrayLike | None,
     gravity: ArrayLike,
-) -> dict[str, Any]:
-    """The arguments that are given, as arrays. Raises `InputError`."""
-    arguments = {
-        "velocity": velocity,
-        "belt": belt,
-        "goods": goods,
-        "gravity": gravity,
-        "temperature": temperature,
-    }
-    given = {
-        name: as_float64(name, value)
-        for name, value in arguments.items()
-        if value is not None
-    }
-    for name, value in given.items():
-        (not_negative if name == "goods" else positive)(name, value)
+) -> _Given:
+    """Raises `InputError`."""
+    given = _Given(
+        as_float64("velocity", velocity),
+        as_float64("belt", belt),
+        as_float64("goods", goods),
+        as_float64("gravity", gravity),
+        None if temperature is None else as_float64("temperature", temperature),
+    )
+    for name, value in given._asdict().items():
+        if value is not None:
+            (not_negative if name == "goods" else positive)(name, value)
     return given
 
 
@@ -338,7 +344,7 @@ def _solve_side(
 
 
 def _inputs_in_words(
-    carry: Idlers, back: Idlers, given: dict[str, Any]
+    carry: Idlers, back: Idlers, given: _Given
 ) -> tuple[tuple[str, str], ...]:
     inputs = []
     for name, side in (("carry side", carry), ("return side", back)):
@@ -348,8 +354,8 @@ def _inputs_in_words(
         words = f"{cover}; {describe(side.roll)}; {rolls} every {spacing}"
         inputs.append((name, words))
     inputs += [
-        (name, brief(given[name], unit))
+        (name, brief(value, unit))
         for name, unit in _UNITS.items()
-        if name in given
+        if (value := getattr(given, name)) is not None
     ]
     return tuple(inputs)

@@ -154,6 +154,16 @@ class HeatBuildUp(Result):
         )
 
 
+class _Given(NamedTuple):
+    """The arguments as arrays."""
+
+    velocity: Array
+    load: Array
+    ambient: Array
+    conductance: Array
+    capacity: Array | None = None
+
+
 class _Body(NamedTuple):
     """Rolling bodies, and what cools them; points broadcast."""
 
@@ -248,17 +258,17 @@ def heat_build_up(
             f"{foundation.name or 'one without'}."
         )
     given = _checked(velocity, load, ambient, conductance, capacity, time)
-    highest = _highest_temperature(foundation, hottest, given["ambient"])
-    points = broadcast(**given)
-    heat = points.pop("capacity", None)
+    highest = _highest_temperature(foundation, hottest, given.ambient)
+    points = _Given(**broadcast(**given._asdict()))
+    heat = points.capacity
     # With a history it is said there what is not known of the material.
     ignored = ConvergenceWarning if heat is None else Warning
     sets = _SETS if heat is None else _SETS_WITH_HISTORY
     with counted("rolling resistance while it warms up", sets) as count:
         rtol = check_rtol(rtol)
-        body = _Body(foundation, shape, **points, model=model, rtol=rtol, count=count)
+        body = _Body(foundation, shape, *points[:4], model, rtol, count)
         state = _steady_state(body, highest, ignored)
-        if not is_traced(foundation, shape, *given.values()):
+        if not is_traced(foundation, shape, given):
             _warn_of_failures(state.converged, highest)
         if heat is None:
             return _without_history(body, state, given)
@@ -272,18 +282,20 @@ def _checked(
     conductance: ArrayLike,
     capacity: ArrayLike | None,
     time: ArrayLike | None,
-) -> dict[str, Any]:
-    """The arguments that are given, as arrays. Raises `InputError`."""
+) -> _Given:
+    """Raises `InputError`."""
     if (time is None) != (capacity is None):
         raise InputError(
             "time and capacity belong together: give both for the history, or neither."
         )
-    return positive_arrays(
-        velocity=velocity,
-        load=load,
-        ambient=ambient,
-        conductance=conductance,
-        capacity=capacity,
+    return _Given(
+        **positive_arrays(
+            velocity=velocity,
+            load=load,
+            ambient=ambient,
+            conductance=conductance,
+            capacity=capacity,
+        )
     )
 
 
@@ -363,9 +375,7 @@ def _warn_of_failures(converged: Array, highest: float) -> None:
         )
 
 
-def _without_history(
-    body: _Body, state: _SteadyState, given: dict[str, Any]
-) -> HeatBuildUp:
+def _without_history(body: _Body, state: _SteadyState, given: _Given) -> HeatBuildUp:
     power = body.conductance * (state.temperature - body.ambient)
     return HeatBuildUp(
         velocity=body.velocity,
@@ -390,7 +400,7 @@ def _without_history(
 def _with_history(
     body: _Body,
     state: _SteadyState,
-    given: dict[str, Any],
+    given: _Given,
     heat: Array,
     time: ArrayLike | None,
 ) -> HeatBuildUp:
@@ -439,18 +449,18 @@ def _with_history(
 
 
 def _inputs_in_words(
-    of_rolling: tuple[tuple[str, str], ...], given: dict[str, Any]
+    of_rolling: tuple[tuple[str, str], ...], given: _Given
 ) -> tuple[tuple[str, str], ...]:
     """The inputs of rolling but its temperature, those of the heat before the last."""
     inputs = [pair for pair in of_rolling if pair[0] != "temperature"]
     inputs[-1:-1] = [
-        (words, brief(given[name], unit))
-        for name, words, unit in (
-            ("ambient", "ambient", "K"),
-            ("conductance", "conductance", "W/K"),
-            ("capacity", "heat capacity", "J/K"),
+        (words, brief(value, unit))
+        for value, words, unit in (
+            (given.ambient, "ambient", "K"),
+            (given.conductance, "conductance", "W/K"),
+            (given.capacity, "heat capacity", "J/K"),
         )
-        if name in given
+        if value is not None
     ]
     return tuple(inputs)
 

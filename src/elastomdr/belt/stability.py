@@ -129,21 +129,26 @@ class Stability(Result):
                 "stick-slip",
                 _stick_slip_in_words(velocity, force, ratio, counts, slowest),
             )
-        yield from self._unknown_forces(fields)
-
-    def _unknown_forces(self, fields: dict[str, Any]) -> Iterator[tuple[str, str]]:
-        """How many forces are not known, and what that leaves out."""
-        holes = np.isnan(fields["force"])
-        if not holes.any():
-            return
-        words = (
-            f"{holes.sum()} of {holes.size} forces; the ratio there and beside them "
-            "is left out"
+        yield from _unknown_forces(
+            fields["force"], fields["converged"], fields["error"]
         )
-        without_error = fields["converged"] & np.isnan(fields["error"])
-        if without_error.any():
-            words += f", and its error at {without_error.sum()} others"
-        yield "not known", words
+
+
+def _unknown_forces(
+    force: np.ndarray, converged: np.ndarray, error: np.ndarray
+) -> Iterator[tuple[str, str]]:
+    """How many forces are not known, and what that leaves out."""
+    holes = np.isnan(force)
+    if not holes.any():
+        return
+    words = (
+        f"{holes.sum()} of {holes.size} forces; the ratio there and beside them is left "
+        "out"
+    )
+    without_error = converged & np.isnan(error)
+    if without_error.any():
+        words += f", and its error at {without_error.sum()} others"
+    yield "not known", words
 
 
 def unstable_ranges(

@@ -68,9 +68,8 @@ def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
         named: dict[str, Any] = dict(kwargs)
         if takes_rtol and isinstance(material, Draws):
             named.setdefault("rtol", RTOL)
-        calls = [
-            _arguments(i, material, shape, args, named) for i in range(len(material))
-        ]
+        call = functools.partial(verb, *args, **named)
+        calls = [_of_one(i, material, shape, call) for i in range(len(material))]
         names = [
             getattr(each, "name", "") or f"material {i}"
             for i, each in enumerate(material, 1)
@@ -81,46 +80,39 @@ def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
                 f"{len(material)} draws of {material.name or 'the material'}"
             )
             drawn = (draws_in_words, material.words)
-        return _packed(_computed(verb, calls, names, drawn), names, drawn)
+        return _packed(_computed(calls, names, drawn), names, drawn)
 
     return wrapper
 
 
-def _arguments(
-    i: int,
-    material: Sequence[Any],
-    shape: object,
-    args: tuple[Any, ...],
-    kwargs: dict[str, Any],
-) -> tuple[tuple[Any, ...], dict[str, Any]]:
-    """Those of the call for one material, and for one surface where these are drawn."""
-    others = args[1:]
-    named = {name: value for name, value in kwargs.items() if name != "material"}
+def _of_one(
+    i: int, material: Sequence[Any], shape: object, call: functools.partial[R]
+) -> functools.partial[R]:
+    """The call for one material, and for one surface where these are drawn."""
+    others = call.args[1:]
+    named = {key: value for key, value in call.keywords.items() if key != "material"}
     if isinstance(shape, Draws):
         others = (shape[i], *others[1:]) if others else ()
         named |= {key: shape[i] for key in _SHAPES if key in named}
-    return (material[i], *others), named
+    return functools.partial(call.func, material[i], *others, **named)
 
 
 def _computed(
-    verb: Callable[..., Any],
-    calls: list[tuple[tuple[Any, ...], dict[str, Any]]],
-    names: list[str],
-    drawn: tuple[str, str] | None,
-) -> list[Any]:
+    calls: list[functools.partial[R]], names: list[str], drawn: tuple[str, str] | None
+) -> list[R]:
     """The results of all calls; their warnings are given out together."""
-    results: list[Any] = []
+    results: list[R] = []
     each = counted("each draw" if drawn else "each material", len(calls))
     with one_thread(), heard() as caught, each as add:
         of_whom: list[str] = []  # whose call gave each warning
-        for i, ((args, kwargs), name) in enumerate(zip(calls, names, strict=True)):
+        for i, (call, name) in enumerate(zip(calls, names, strict=True)):
             try:
-                results.append(verb(*args, **kwargs))
+                results.append(call())
                 add(1)
             except InputError as error:
                 if i == 0 and not str(error).startswith("material"):
                     raise  # of the other arguments
-                called = getattr(args[0], "name", "")
+                called = getattr(call.args[0], "name", "")
                 called = f" ({called})" if called else ""
                 raise InputError(f"material[{i}]{called}: {error}") from error
             of_whom += [drawn[0] if drawn else name] * (len(caught) - len(of_whom))

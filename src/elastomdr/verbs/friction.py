@@ -119,9 +119,9 @@ def _on_smooth(call: SmoothCall, adhesion: AdhesiveShear | None) -> FrictionCurv
     return on_contact(curve, adhesion, call.shape, contact.layer)
 
 
-def _has_large_program(material: object, shape: object, named: dict[str, Any]) -> bool:
+def _has_large_program(material: object, shape: object, pressure: object) -> bool:
     """Whether a surface is under a pressure, or the rubber is a layer."""
-    if isinstance(shape, AbstractSpectrum) and named.get("pressure") is not None:
+    if isinstance(shape, AbstractSpectrum) and pressure is not None:
         return True
     return is_on_layer(material, shape)
 

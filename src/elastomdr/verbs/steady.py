@@ -5,10 +5,12 @@ of independent elements, and its curve has the same fields.
 from __future__ import annotations
 
 import functools
+import sys
 from collections.abc import Callable
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
-from ..checks import Array, needs_64_bit_types
+from ..checks import Array, is_traced
+from ..errors import InputError
 from ..smooth.on_layer import beside_layer, is_on_layer, on_layer, plan_on_layer
 from ..smooth.plan import Plan
 from ..smooth.problem import LayerPlan, SmoothCall, Steady, set_up, solve
@@ -75,29 +77,36 @@ def steady_plan(call: SmoothCall) -> Plan | LayerPlan:
 
 
 def in_64_bits_where(
-    condition: Callable[[Any, Any, dict[str, Any]], bool],
+    condition: Callable[[object, object, object], bool],
 ) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """Refuses calls under jit, grad or vmap without 64-bit types, where JAX would mix
-    both widths.
+    """Refuses calls under jit, grad or vmap without 64-bit types, for programs in which
+    JAX would mix both widths when the verb has returned, under the caller's setting.
 
-    `condition` has the material, the shape and the arguments by name.
+    `condition` has the material, the shape and the pressure.
     """
 
     def decorate(verb: Callable[P, R]) -> Callable[P, R]:
-        refusing = needs_64_bit_types(verb)
-
         @functools.wraps(verb)
         def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
             material = args[0] if args else kwargs.get("material")
             shape = args[1] if len(args) > 1 else kwargs.get("shape")
-            call = refusing if condition(material, shape, kwargs) else verb
-            return call(*args, **kwargs)
+            if (
+                condition(material, shape, kwargs.get("pressure"))
+                and is_traced(args, kwargs)
+                and not sys.modules["jax"].config.read("jax_enable_x64")
+            ):
+                raise InputError(
+                    f"em.{verb.__name__} under jit, grad or vmap needs JAX's 64-bit "
+                    "types: put `with jax.enable_x64(True):` around the call, or set "
+                    "JAX_ENABLE_X64=1."
+                )
+            return verb(*args, **kwargs)
 
         return wrapper
 
     return decorate
 
 
-def needs_layer(material: object, shape: object, _: dict[str, Any]) -> bool:
+def needs_layer(material: object, shape: object, _: object) -> bool:
     """Whether a call needs the layer, as a condition for `in_64_bits_where`."""
     return is_on_layer(material, shape)
