@@ -126,9 +126,7 @@ def steady_scene(
         require("direction", direction, accepted, lambda x: np.abs(x) < _TURN)
     points = {"velocity": velocity, name: value, "temperature": temperature}
     shape = broadcast_shape(**points, direction=direction)
-    factor, vertical = (
-        (1.0, 1.0) if temperature is None else thermal_factors(foundation, temperature)
-    )
+    factor, vertical = thermal_factors(foundation, temperature)
     if temperature is not None and not is_traced(velocity, factor):
         _check_shift(temperature, velocity, factor)
     traced = is_traced(foundation, body, velocity, value, temperature, direction)

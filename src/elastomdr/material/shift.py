@@ -384,12 +384,14 @@ def check_laws(shift: object, vertical: object) -> None:
         )
 
 
-def thermal_factors(body: Shifted, temperature: ArrayLike) -> tuple[Any, Any]:
+def thermal_factors(body: Shifted, temperature: ArrayLike | None) -> tuple[Any, Any]:
     """a_T and b_T of a material or foundation at temperatures [K]; 1 for a law that it
-    does not have.
+    does not have, and without a temperature.
 
     Raises `InputError` where it has neither, or outside a law's range.
     """
+    if temperature is None:
+        return 1.0, 1.0
     if body.shift is None and body.vertical is None:
         raise InputError(
             f"temperature was given ({_brief(temperature)}), but "

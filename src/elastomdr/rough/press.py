@@ -286,11 +286,7 @@ def _points(
     shape = broadcast_shape(**arrays)
     full = {name: xp.broadcast_to(value, shape) + 0.0 for name, value in arrays.items()}
     temperatures, times = full.get("temperature"), full.get("time")
-    factor, vertical = (
-        (1.0, 1.0)
-        if temperatures is None
-        else thermal_factors(foundation, temperatures)
-    )
+    factor, vertical = thermal_factors(foundation, temperatures)
     compliance = (
         1 / foundation.equilibrium
         if times is None

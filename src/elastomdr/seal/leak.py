@@ -667,9 +667,7 @@ def softness(
     foundation: Foundation, time: Array | None, temperature: Array | None
 ) -> tuple[Any, Any]:
     """1/E* [1/Pa] of rubber that a pressure has acted on for a time, and a_T."""
-    factor, vertical = (
-        (1.0, 1.0) if temperature is None else thermal_factors(foundation, temperature)
-    )
+    factor, vertical = thermal_factors(foundation, temperature)
     compliance = (
         1 / foundation.equilibrium
         if time is None

@@ -394,13 +394,12 @@ def _checked(
         name: np.broadcast_to(value, dims).ravel() for name, value in arrays.items()
     }
     temperatures = flat.get("temperature")
-    factor, vertical = np.ones(flat["load"].size), np.ones(flat["load"].size)
     if temperatures is not None:
         in_kelvin("temperature", temperatures)
-        factor, vertical = (
-            np.broadcast_to(each, temperatures.shape)
-            for each in thermal_factors(material, temperatures)
-        )
+    factor, vertical = (
+        np.broadcast_to(each, flat["load"].shape)
+        for each in thermal_factors(material, temperatures)
+    )
     bodies_of(material)  # refuses what carries no film
     return _FilmScene(
         material,

@@ -407,10 +407,9 @@ def _modulus(
     law: Relaxation, material: Prony, time: Array | None, temperature: Array | None
 ) -> Any:
     """A modulus at a time and a temperature; relaxed without a time."""
-    time_factor, vertical_factor = 1.0, 1.0
     if temperature is not None:
         in_kelvin("temperature", temperature)
-        time_factor, vertical_factor = thermal_factors(material, temperature)
+    time_factor, vertical_factor = thermal_factors(material, temperature)
     if time is None:
         return law.equilibrium * vertical_factor
     not_negative("time", time)
@@ -483,12 +482,7 @@ def _extrapolated(
     shape: tuple[int, ...],
 ) -> tuple[Doubt, ...]:
     """Which points lie outside the range of the material, with a warning."""
-    time_factor = (
-        1.0 if temperature is None else thermal_factors(material, temperature)[0]
-    )
+    factor = xp.asarray(thermal_factors(material, temperature)[0])
     return held_beyond(
-        material.range,
-        time,
-        temperature,
-        xp.broadcast_to(xp.asarray(time_factor), shape),
+        material.range, time, temperature, xp.broadcast_to(factor, shape)
     )

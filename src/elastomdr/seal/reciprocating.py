@@ -412,7 +412,7 @@ def _under_ring(
     of a cylinder.
     """
     temperature, time = _when(ring)
-    factor, vertical = _shifted(material, temperature)
+    factor, vertical = map(float, thermal_factors(material, temperature))
     held = None if time is None else time / factor
     soft = compliance(bodies_of(material)[0], held) / vertical
     half = 0.5 * float(np.ravel(ring.width)[0])
@@ -444,11 +444,3 @@ def _when(ring: ORing) -> tuple[float | None, float | None]:
         for value in (ring.temperature, ring.time)
     )
     return temperature, time
-
-
-def _shifted(material: Prony, temperature: float | None) -> tuple[float, float]:
-    """a_T and b_T."""
-    if temperature is None:
-        return 1.0, 1.0
-    factor, vertical = thermal_factors(material, temperature)
-    return float(factor), float(vertical)

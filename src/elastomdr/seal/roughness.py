@@ -18,15 +18,18 @@ which hardly falls with contact. The shear flow factor is left out.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator, PPoly
 
 from ..checks import Array
+from ..element.law import as_foundation
 from ..element.layer import Layer
 from ..errors import quiet
 from ..material.prony import Prony
+from ..material.shift import thermal_factors
 from ..rough.psd_integrals import PER_DECADE, nodes
 from ..surface.spectrum import AbstractSpectrum
 from .leak_form import UNSURE, barely_touching, through
@@ -145,7 +148,6 @@ def pressed(
     material: Material, surface: AbstractSpectrum, flow_factor: FlowFactor
 ) -> Roughness:
     """The curve of `em.press` at rest, and the flow through the gaps."""
-    from ..element.law import as_foundation
     from ..rough.press import press
 
     foundation = as_foundation(half_space_of(material))
@@ -185,17 +187,11 @@ def rubbing(
 
     body = half_space_of(material)
     pressures = _PRESSURES * largest
-    given: dict[str, Any] = {"rtol": _RTOL}
-    if temperature is not None:
-        given["temperature"] = temperature
+    rubs = partial(friction, body, surface, temperature=temperature, rtol=_RTOL)
     with quiet():
-        sliding: Any = friction(
-            body, surface, velocity=velocity[:, None], pressure=pressures, **given
-        )
+        sliding: Any = rubs(velocity=velocity[:, None], pressure=pressures)
         small, slow = _compared(body, surface, temperature)
-        areas: Any = friction(
-            body, surface, velocity=np.append(slow, velocity), pressure=small, **given
-        ).area_ratio
+        areas: Any = rubs(velocity=np.append(slow, velocity), pressure=small).area_ratio
     stiffening = areas[0] / areas[1:]
     place = np.log(pressures)
     out = [
@@ -219,15 +215,8 @@ def _compared(
     body: Prony, surface: AbstractSpectrum, temperature: float | None
 ) -> tuple[float, float]:
     """A small pressure [Pa], and a velocity so slow that all is relaxed [m/s]."""
-    from ..element.law import as_foundation
-    from ..material.shift import thermal_factors
-
     foundation = as_foundation(body)
-    factor = (
-        1.0
-        if temperature is None
-        else float(thermal_factors(foundation, temperature)[0])
-    )
+    factor = float(thermal_factors(foundation, temperature)[0])
     slowest = float(np.max(foundation.times, initial=1e-9))
     modulus = float(foundation.equilibrium)
     return _SMALL * modulus * float(surface.rms_slope), _SLOW / (
