@@ -221,7 +221,6 @@ def friction(
     asked = Asked(velocity, load, depth, pressure, temperature, direction)
     if is_rough(shape):
         road_model = of_rough(model, shape, pressure)
-        hint_at_line(model, shape, asked)
         tell = reporter("friction on a rough surface", progress)
         rough = RoughCall(
             solid,
@@ -235,6 +234,7 @@ def friction(
             branch,
         )
         solve = friction_by(road_model, rough)
+        hint_at_line(model, shape, asked)
         return _repeatable(solve(rough), rough, solve)
     only_rough(heat=heat, direction=direction, branch=branch)
     check_adhesion(adhesion, temperature)
