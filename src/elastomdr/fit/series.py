@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, Self
 
@@ -554,12 +554,12 @@ def prony(
 
     Source: `docs/fitting.md`.
     """
-    master = omega if isinstance(omega, MasterCurve) else None
-    measured = _Measured.of(
-        (omega, storage, loss, time, relaxation)
-        if master is None
-        else tuple(getattr(master, name) for name in _Measured._fields)
-    )
+    master = None
+    if isinstance(omega, MasterCurve):
+        master = omega
+        measured = _Measured.of([getattr(master, name) for name in _Measured._fields])
+    else:
+        measured = _Measured.of((omega, storage, loss, time, relaxation))
     if kind is None:
         kind = "shear" if master is None else master.kind
     one_of("kind", kind, *KINDS)
@@ -622,7 +622,7 @@ class _Measured(NamedTuple):
     relaxation: np.ndarray  # [Pa]
 
     @classmethod
-    def of(cls, given: tuple[object, ...]) -> Self:
+    def of(cls, given: Sequence[ArrayLike | None]) -> Self:
         """From lists in this order. Raises `InputError`."""
         names = cls._fields
         return cls(*lists(names[:3], given[:3]), *lists(names[3:], given[3:]))

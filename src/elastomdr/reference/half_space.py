@@ -495,7 +495,7 @@ def slide_periodic(
     )
 
 
-def _sides(cell: ArrayLike) -> np.ndarray:
+def _sides(cell: ArrayLike) -> tuple[float, float]:
     sides = as_float64("cell", cell)
     if sides.shape not in ((), (2,)):
         raise InputError(
@@ -503,11 +503,12 @@ def _sides(cell: ArrayLike) -> np.ndarray:
             f"both, got {cell!r}."
         )
     positive("cell", sides)
-    return np.broadcast_to(sides, (2,)).copy()
+    along, across = np.broadcast_to(sides, (2,)).tolist()
+    return along, across
 
 
 def _heights(
-    shape: Indenter | ArrayLike, sides: np.ndarray, points: int
+    shape: Indenter | ArrayLike, sides: tuple[float, float], points: int
 ) -> tuple[np.ndarray, str]:
     """Heights into the rubber [m] on the cell, and what they are in words."""
     if isinstance(shape, AbstractShape):
@@ -534,7 +535,7 @@ def _heights(
     return heights, f"map of heights, {math.sqrt(np.var(heights)):.3g} m rms"
 
 
-def _metres(sides: np.ndarray) -> str:
+def _metres(sides: tuple[float, float]) -> str:
     return f"{brief(sides[0], 'm')} by {brief(sides[1], 'm')}"
 
 

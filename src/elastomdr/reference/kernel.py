@@ -194,7 +194,7 @@ def convolution(
             k * cover.thickness, cover.squeeze, cover.bonded
         )
     inverse = 0.5 * k * modulus * np.exp(1j * kx * lead * sides[0])
-    return Convolution(fft.rfft2(padded), inverse, padded.shape)
+    return Convolution(np.asarray(fft.rfft2(padded)), inverse, padded.shape)
 
 
 def work_against(

@@ -1,0 +1,136 @@
+"""How large each room is, and how much of it is untyped: numbers that may only fall.
+
+A room that grew says in the commit that raises its number what for. One that shrank
+lowers its number: `python tests/house/test_size.py` prints the table of today.
+"""
+
+import ast
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+import elastomdr as em
+
+SOURCE = Path(em.__file__).parent
+# Thousands of syntax nodes (`ast.walk`), begun ones counted
+ROOMS = {
+    "transient": 66,
+    "rough": 65,
+    "fit": 64,
+    "smooth": 49,
+    "seal": 40,
+    "results": 37,
+    "io": 35,
+    "surface": 30,
+    "app": 29,
+    "cli": 25,
+    "material": 20,
+    "sweeps": 14,
+    "element": 12,
+    "ground": 12,
+    "tyre": 11,
+    "reference": 9,
+    "belt": 9,
+    "numerics": 6,
+    "call": 6,
+    "units": 4,
+    "verbs": 4,
+}
+# of the whole package
+FILES = 240
+UNTYPED = 202  # parameters annotated `Any`, or not at all
+MAPPINGS = 29  # `dict[str, Any]` in signatures
+KEYWORDS = 24  # functions that take **
+LONG_TUPLES = 6  # signatures that return a tuple of more than three
+GROUND = "ground"  # files of no room
+
+
+def files() -> Iterator[tuple[str, ast.Module]]:
+    """The room of each file, and its syntax tree."""
+    for path in sorted(SOURCE.rglob("*.py")):
+        place = path.relative_to(SOURCE).parts
+        yield place[0] if len(place) > 1 else GROUND, ast.parse(path.read_text("utf-8"))
+
+
+def functions() -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef]:
+    for _, tree in files():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                yield node
+
+
+def rooms() -> dict[str, int]:
+    nodes: Counter[str] = Counter()
+    for room, tree in files():
+        nodes[room] += sum(1 for _ in ast.walk(tree))
+    return {room: -(-n // 1000) for room, n in nodes.most_common()}
+
+
+def signature(function: ast.FunctionDef | ast.AsyncFunctionDef) -> list[ast.arg]:
+    given = function.args
+    named = given.posonlyargs + given.args + given.kwonlyargs
+    return [a for a in named if a.arg not in ("self", "cls")]
+
+
+def untyped() -> int:
+    return sum(
+        a.annotation is None or ast.unparse(a.annotation) == "Any"
+        for function in functions()
+        for a in signature(function)
+    )
+
+
+def mappings() -> int:
+    written = [
+        ast.unparse(said)
+        for f in functions()
+        for said in (f.returns, *(a.annotation for a in signature(f)))
+        if said is not None
+    ]
+    return sum(said.count("dict[str, Any]") for said in written)
+
+
+def keywords() -> int:
+    return sum(function.args.kwarg is not None for function in functions())
+
+
+def long_tuples() -> int:
+    """Signatures that return a tuple of more than three."""
+    return sum(
+        isinstance(f.returns, ast.Subscript)
+        and ast.unparse(f.returns.value) == "tuple"
+        and isinstance(f.returns.slice, ast.Tuple)
+        and len(f.returns.slice.elts) > 3
+        for f in functions()
+    )
+
+
+@pytest.mark.parametrize("room", sorted({*ROOMS, *rooms()}))
+def test_a_room_only_shrinks(room: str) -> None:
+    now, most = rooms().get(room, 0), ROOMS.get(room, 0)
+    assert now <= most, f"{room} grew from {most} to {now} thousand nodes: what for?"
+    assert now >= 0.97 * most - 1, f"{room} shrank to {now}: lower its number"
+
+
+@pytest.mark.parametrize(
+    ("count", "most"),
+    [
+        (lambda: sum(1 for _ in files()), FILES),
+        (untyped, UNTYPED),
+        (mappings, MAPPINGS),
+        (keywords, KEYWORDS),
+        (long_tuples, LONG_TUPLES),
+    ],
+    ids=["files", "untyped parameters", "dict[str, Any]", "**", "tuples"],
+)
+def test_doors_are_typed(count: Callable[[], int], most: int) -> None:
+    now = count()
+    assert now <= most, f"{now} where {most} were: what for?"
+    assert now >= 0.95 * most - 2, f"only {now} are left of {most}: lower the number"
+
+
+if __name__ == "__main__":
+    print(rooms(), sum(rooms().values()))
+    print(sum(1 for _ in files()), untyped(), mappings(), keywords(), long_tuples())
