@@ -168,17 +168,11 @@ def _asked(pressed: PressedSeal, relative_pressure: Array) -> GapFlow:
     flat = relative_pressure.reshape(rows, -1)
     gaps = pressed.model.flow(pressed.surface, flat, pressed.direction)
     shaped = {
-        name: x.reshape((*x.shape[:-1], *dims)) for name, x in _arrays(gaps).items()
-    }
-    return gaps._replace(**shaped)
-
-
-def _arrays(gaps: GapFlow) -> dict[str, Any]:
-    return {
-        name: x
+        name: x.reshape((*x.shape[:-1], *dims))
         for name, x in gaps._asdict().items()
         if name not in ("said", "work") and x is not None
     }
+    return gaps._replace(**shaped)
 
 
 class _EvenSeal(NamedTuple):
