@@ -130,10 +130,14 @@ def steady_beyond(
 
 
 def held_beyond(
-    known: Range | None, time: Any, temperature: Any, factor: Any
+    known: Range | None,
+    time: Any,
+    temperature: Any,
+    factor: Any,
+    shape: tuple[int, ...],
 ) -> tuple[Doubt, ...]:
     """What is put on at once and held for a `time` [s], or without one for ever, at
-    points of one shape.
+    points of a shape to which temperature and a_T broadcast.
     """
     if known is None:
         return ()
@@ -141,9 +145,7 @@ def held_beyond(
     (held, temperature, factor), traced, quiet = _looked_at(held, temperature, factor)
     xp = namespace(held, temperature, factor)
     with np.errstate(all="ignore"):
-        rate = 4 * xp.asarray(factor) / xp.asarray(held)
-    shape = np.broadcast_shapes(rate.shape, np.shape(temperature))
-    rate = xp.broadcast_to(rate, shape)
+        rate = xp.broadcast_to(4 * xp.asarray(factor) / xp.asarray(held), shape)
     if temperature is not None:
         temperature = xp.broadcast_to(temperature, shape)
     points = known.outside(rate, temperature)

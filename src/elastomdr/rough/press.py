@@ -522,8 +522,9 @@ def _beyond(
             foundation.range, surface, points.velocity * points.factor
         )
         return rough_beyond(foundation.range, outside, points.temperature, points.shape)
-    factor = xp.broadcast_to(xp.asarray(points.factor), points.shape)
-    return held_beyond(foundation.range, points.time, points.temperature, factor)
+    return held_beyond(
+        foundation.range, points.time, points.temperature, points.factor, points.shape
+    )
 
 
 def _too_much(

@@ -184,8 +184,7 @@ def break_out(
     mu = stress * contact.area / given.pressure
     good = xp.broadcast_to(contact.good, shape)
     warn_unless(good, "points")
-    factor = xp.broadcast_to(factor, shape)
-    beyond = held_beyond(foundation.range, given.time, given.temperature, factor)
+    beyond = held_beyond(foundation.range, given.time, given.temperature, factor, shape)
     too_hard = pressed_too_hard(xp.broadcast_to(given.pressure, shape), 1 / soft)
     numbers = {
         "mu": mu,

@@ -865,9 +865,8 @@ def _beyond(scene: _FilmScene, solved: list[_Solved]) -> tuple[Doubt, ...]:
     with quiet():
         if MOTIONS[scene.rubber][0] == 0:
             rubber = held_beyond(
-                known, scene.time, scene.temperature,
-                np.broadcast_to(scene.factor, shape),
-            )  # fmt: skip
+                known, scene.time, scene.temperature, scene.factor, shape
+            )
         else:
             half = np.array([each.half for each in solved])
             rubber = steady_beyond(

@@ -56,7 +56,6 @@ from ..material.shift import thermal_factors
 from ..material.tabulated import needs_series
 from ..material.validity import material_in_words
 from ..results.base import Array, Result, quantity, record
-from ..results.doubts import Doubt
 from ..results.words import given_in_words, in_unit, span
 
 if TYPE_CHECKING:
@@ -297,6 +296,7 @@ def o_ring(
     load, width = _load_and_width(given, young, plane, formula)
     ends = [_load_and_width(given, young, plane, name)[0] for name in ("held", "free")]
     pressure = load / width
+    factor, _ = thermal_factors(solid, given.temperature)
     fields = broadcast(
         diameter=given.diameter,
         squeeze=given.squeeze,
@@ -314,7 +314,7 @@ def o_ring(
     )
     return ORing(
         **fields,
-        marks=_extrapolated(solid, given.time, given.temperature, shape),
+        marks=held_beyond(solid.range, given.time, given.temperature, factor, shape),
         model=FORMULAS[formula],
         plan="closed form",
         inputs=(*material_in_words(solid), *given_in_words(given, _UNITS)),
@@ -473,16 +473,3 @@ def _small_strain(squeeze: Array) -> Any:
     for _ in range(_NEWTON_STEPS):
         u = u - (u - xp.log(u) - target) / (1 - 1 / u)
     return np.pi / 2 * 4 * xp.exp(-1 - u)
-
-
-def _extrapolated(
-    material: Prony,
-    time: Array | None,
-    temperature: Array | None,
-    shape: tuple[int, ...],
-) -> tuple[Doubt, ...]:
-    """Which points lie outside the range of the material, with a warning."""
-    factor = xp.asarray(thermal_factors(material, temperature)[0])
-    return held_beyond(
-        material.range, time, temperature, xp.broadcast_to(factor, shape)
-    )
