@@ -531,8 +531,10 @@ def _of_hertz(ring: ORing, length: ArrayLike | None) -> _Seal:
     )  # fmt: skip
 
 
-def _check_length(length: Any, known: Any, whose: str) -> None:
-    if length is not None and not np.allclose(length, known, rtol=1e-6, atol=0):
+def _check_length(length: ArrayLike | None, known: Array | float, whose: str) -> None:
+    if length is None:
+        return
+    if not np.allclose(as_float64("length", length), known, rtol=1e-6, atol=0):
         raise InputError(
             f"length must be left out: it is that of {whose}, {brief(known, 'm')}, got "
             f"{brief(length, 'm')}."

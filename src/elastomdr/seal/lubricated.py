@@ -801,7 +801,7 @@ def _packed(
     """The result, with what lies beyond the data of the material."""
     dims = scene.dims
 
-    def shaped(values: Any) -> Any:
+    def shaped(values: ArrayLike) -> Any:
         return np.reshape(np.asarray(values, dtype=float), dims)
 
     numbers = np.array([each.numbers for each in solved]).reshape(-1, len(_NUMBERS))
