@@ -57,7 +57,8 @@ def test_imports_are_declared():
         package: where for package, where in imported().items() if package not in own
     }
     assert {"numpy", "jax", "pint"} <= set(found)
-    assert not set(found) - required - optional
+    undeclared = set(found) - required - optional
+    assert not undeclared
     for package in optional & set(found):  # an extra may be absent
         loaded = [
             name

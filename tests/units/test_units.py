@@ -1,5 +1,7 @@
 """Units in files and on the command line, by published factors."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -119,7 +121,8 @@ def by_parts(unit):
     above, *below = unit.replace("(", "/(").replace("//(", "/(").strip("/").split("/")
 
     def of(word):
-        word, _, power = word.strip("()").partition("^")
+        word = re.sub(r"(?<=[a-z])(?=\d)", "^", word.strip("()"))  # mm2
+        word, _, power = word.partition("^")
         single = OTHERS.get(word) or PREFIX[word[0]] * OTHERS[word[1:]]
         return float(single) ** int(power or 1)
 
@@ -138,11 +141,13 @@ def by_parts(unit):
 @pytest.mark.parametrize("si", units.USUAL)
 def test_units_of_the_command_line(si):
     """Each unit that is converted without a library, from its prefixes and powers."""
-    kind = type("Kind", (units.SceneQuantity,), {"unit": si})
+
+    class Kind(units.SceneQuantity, what="a quantity", unit=si, example=f"1 {si}"): ...
+
     for unit in units.USUAL[si]:
         offset = 273.15 if unit == "degC" else 0.0
         np.testing.assert_allclose(
-            kind.convert("3", unit),
+            Kind.convert("3", unit),
             3 * by_parts(unit) + offset,
             rtol=1e-12,
             err_msg=unit,

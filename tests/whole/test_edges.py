@@ -2,7 +2,6 @@
 one clear line each.
 """
 
-import errno
 import importlib
 import os
 import signal
@@ -142,65 +141,6 @@ def test_a_damaged_spreadsheet_is_one_line(place, capfd):
         assert out == ""
         assert err.count("\n") == 1
         assert file.name in err
-
-
-def sweep_that_ends_with(monkeypatch, error, seen):
-    """Makes `em.friction` keep one part of a sweep, and then fail or give some
-    curve.
-    """
-
-    computed = em.friction
-
-    def friction(material, shape, *, store, **arguments):
-        seen.append(store.get("part"))
-        store.put("part", np.arange(3.0))
-        if error is not None:
-            raise error
-        return computed(
-            em.Foundation(4e6, [12e6], [1e-3]),
-            em.Paraboloid(0.01),
-            velocity=[0.1, 0.3],
-            load=1.0,
-            model=em.Line(),
-        )
-
-    monkeypatch.setattr("elastomdr.friction", friction, raising=False)
-
-
-@pytest.mark.parametrize("error", [KeyboardInterrupt(), MemoryError("array too large")])
-def test_a_sweep_that_is_cut_short_keeps_its_parts(place, capsys, monkeypatch, error):
-    seen = []
-    sweep_that_ends_with(monkeypatch, error, seen)
-    for _ in range(2):
-        status = main(["friction", "rough.toml"])
-        assert status == (130 if isinstance(error, KeyboardInterrupt) else 2)
-        said = capsys.readouterr().err
-        assert said.count("\n") == 1
-        assert (
-            not isinstance(error, KeyboardInterrupt)
-            or "kept in .rough-friction.parts" in said
-        )
-    assert seen[0] is None
-    np.testing.assert_array_equal(seen[1], np.arange(3.0))
-
-
-def test_a_full_disk_keeps_the_parts_of_a_sweep(place, capsys, monkeypatch):
-    seen = []
-    sweep_that_ends_with(monkeypatch, None, seen)
-    real = os.fdopen
-
-    def full(handle, *options):
-        os.close(handle)
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr(os, "fdopen", full)
-    assert "No space left" in refused(capsys, "friction", "rough.toml")
-    assert not list(place.glob("*.csv")) + list(place.glob(".elastomdr-*"))
-    monkeypatch.setattr(os, "fdopen", real)
-    assert main(["friction", "rough.toml"]) == 0
-    assert seen[1] is not None
-    assert (place / "rough-friction.csv").exists()
-    assert not list(place.glob(".*.parts"))
 
 
 def test_a_folder_that_cannot_be_written(place, capsys):

@@ -41,12 +41,12 @@ MISTAKES = {
     "20 in quotes": (
         '"20 degC"',
         '"20"',
-        'got "20" without one. Did you mean "20 degC"?',
+        'got "20". Did you mean "20 degC"?',
     ),
     "comma": (
         '"10 N"',
         '"10,5 N"',
-        'load must have a decimal point, not a comma, got "10,5 N": write "10.5 N".',
+        'load must be a number with a decimal point, not a comma, got "10,5 N": write "10.5 N".',
     ),
     "point and comma": ('"10 N"', '"1.000,5 N"', 'write "1000.5 N"'),
     "5": ('"5 mm"', "5", 'Did you mean "5 mm"?'),
