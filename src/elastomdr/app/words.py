@@ -2,7 +2,7 @@
 scene files stand in the exported scene only.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from ..cli.units import SceneQuantity, shown
 from ..errors import InputError, advised
@@ -322,7 +322,7 @@ def _in_fields(word: str) -> str:
     return word
 
 
-def _options(options: dict[str, str | list[str]]) -> str:
+def _options(options: Mapping[str, str | list[str]]) -> str:
     """Options of the command line as fields, with what to type into them."""
     said = []
     for name, values in options.items():
