@@ -350,9 +350,50 @@ def moved(values: list[list[float]]) -> float:
     return abs(float(np.mean(fine / coarse - 1)))
 
 
+def write(points: list[dict[str, Any]], file: Path) -> None:
+    rows = ",\n".join(json.dumps(point) for point in points)
+    file.write_text(f"[\n{rows}\n]\n")
+
+
+def solve_again(points: list[dict[str, Any]], asked: argparse.Namespace) -> None:
+    """Points that moved with the grid, the smallest grids first, with cells half as
+    large as long as they move and the grid is not larger than asked.
+    """
+
+    def cells(point: dict[str, Any]) -> int:
+        return int(2 * point["per_wave"] * point["periods"] * point["ratio"])
+
+    end = time.monotonic() + 60 * asked.minutes
+    while left := [
+        i
+        for i, p in enumerate(points)
+        if p["mu"] and moved(p["mu"]) > MOVED and cells(p) <= asked.largest
+        if not p.get("stuck")
+    ]:
+        if time.monotonic() > end:
+            break
+        i = min(left, key=lambda i: cells(points[i]))
+        point = points[i]
+        rng = np.random.default_rng([asked.seed, *point["number"]])
+        scene = {**point, "per_wave": 2 * point["per_wave"]}
+        solved = solve(scene, rng, patience=asked.patience)
+        before = moved(point["mu"])
+        points[i] = solved if solved["mu"] else {**point, "stuck": True}
+        write(points, asked.file)
+        now = f"{moved(solved['mu']):.2f}" if solved["mu"] else "not settled"
+        print(
+            point["number"], cells(point), f"moved {before:.2f}, then {now}", flush=True
+        )
+
+
 def main() -> None:
     options = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     options.add_argument("--seed", type=int, required=True)
+    options.add_argument(
+        "--again",
+        action="store_true",
+        help="no new scenes: those that moved with the grid, on finer grids",
+    )
     options.add_argument("--minutes", type=float, default=60.0)
     options.add_argument(
         "--largest", type=int, default=1024, help="cells to a side of the largest grid"
@@ -360,16 +401,28 @@ def main() -> None:
     options.add_argument("--light", action="store_true", help="more of light contact")
     options.add_argument("--cells", action="store_true", help="by slope and contact")
     options.add_argument(
+        "--slope",
+        choices=SLOPES,
+        help="of --cells: of this slope and below 1 %% contact",
+    )
+    options.add_argument(
         "--patience", type=float, default=240.0, help="seconds for one contact"
     )
     options.add_argument("--file", type=Path, default=FILE)
     asked = options.parse_args()
     points = json.loads(asked.file.read_text()) if asked.file.exists() else []
+    if asked.again:
+        solve_again(points, asked)
+        return
     done = {tuple(point["number"]) for point in points}
     end, i = time.monotonic() + 60 * asked.minutes, -1
     while time.monotonic() < end:
         i += 1
         if (asked.seed, i) in done:
+            continue
+        if asked.slope and (
+            list(SLOPES)[i % 3] != asked.slope or i // 3 % (2 if asked.light else 5)
+        ):
             continue
         rng = np.random.default_rng([asked.seed, i])
         scene = (
@@ -391,8 +444,7 @@ def main() -> None:
             solved = again
         point = {"number": [asked.seed, i], **solved}
         points.append(point)
-        rows = ",\n".join(json.dumps(p) for p in points)
-        asked.file.write_text(f"[\n{rows}\n]\n")
+        write(points, asked.file)
         said = "did not settle"
         if point["mu"]:
             said = f"mu/full {truth(point['mu'])}, area {truth(point['area'])}"

@@ -652,8 +652,9 @@ def table_error(
 # |ln(mu/mu_3D)| <= sqrt(1 - A) (a - b ln A) (1 + c m^2) for 95 % of the points in three
 # dimensions of each slope of the loss and each contact, each predicted without its
 # surface or its material: benchmarks/rough_fit.py
-_BOUND = {"multiscale": (0.052, 0.006, 2.75), "persson": (0.205, 0.0195, 2.5)}
-_AREA_BOUND = (0.05, 0.021, 0.0)  # of the real contact area, alike
+_BOUND = {"multiscale": (0.052, 0.0138, 2.25), "persson": (0.205, 0.0195, 2.75)}
+_AREA_BOUND = (0.045, 0.0294, 0.0)  # of the real contact area, alike
+_LEAST = 0.003  # contact of these points; mu does not depend on less
 # of these points: cutoff ratios, largest contrast; and of those that may be bounded
 _RATIOS, _CONTRAST = (2.0, 256.0), 1000.0
 _MOST_CONTRAST, _MOST_SLOPE = 1e5, 1.05
@@ -719,7 +720,7 @@ def bound(terms: tuple[float, float, float] | None, area: Array, felt: Felt) -> 
         return xp.log10(xp.maximum(x, 1.0))
 
     inside = xp.sqrt(1 - xp.minimum(area, 1.0))
-    inside = inside * (a - b * xp.log(xp.maximum(area, 1e-300)))
+    inside = inside * (a - b * xp.log(xp.maximum(area, _LEAST)))
     inside = inside * (1 + c * felt.steep**2)
     inside = inside * (1 + decades(felt.contrast / _CONTRAST))
     whole = xp.expm1(inside + _DRIFT * decades(felt.ratio / _RATIOS[1]))
