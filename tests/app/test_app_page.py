@@ -564,7 +564,7 @@ def test_a_reading_of_a_curve():
     (between,) = _readings(result, 0.3)
     assert between.endswith("without a bound of the model")
     (beyond,) = _readings(result, 1e3)
-    assert beyond.endswith("without a bound of the model, extrapolated")
+    assert "without a bound of the model, extrapolated" in beyond
 
 
 def sheared():

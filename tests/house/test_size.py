@@ -27,7 +27,7 @@ ROOMS = {
     "app": 29,
     "cli": 25,
     "material": 20,
-    "sweeps": 14,
+    "sweeps": 15,
     "element": 12,
     "ground": 12,
     "tyre": 11,

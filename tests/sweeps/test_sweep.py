@@ -240,6 +240,42 @@ SCRIPTS = {
         """,
         ("0.01", "0.03", r"call\.code was"),
     ),
+    "an attribute of a partial": (
+        """
+        from functools import partial
+        def ball(material, **rest):
+            return em.friction(material, em.Sphere(call.radius), **rest)
+        call = partial(ball)
+        call.radius = 0.01
+        """,
+        ("0.01", "0.03", r"call.*radius was 0\.01 and is 0\.03"),
+    ),
+    "large whole numbers": (
+        """
+        import numpy as np
+        SEEDS = np.arange(20) + 9007199254740992
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(0.01 * SEEDS[1]), **rest)
+        """,
+        (
+            "np.arange(20) + 9007199254740992",
+            "np.arange(20) // 2 * 2 + 9007199254740992",
+            r"call\.uses\.SEEDS was",
+        ),
+    ),
+    "a field whose type is one of two": (
+        """
+        from dataclasses import dataclass
+        @dataclass
+        class Rig:
+            radius: float = 0.01
+            load: float | None = None
+            steps: list[float] | None = None
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(Rig().radius), **rest)
+        """,
+        ("0.01", "0.03", r"call.*radius"),
+    ),
     "the names of arguments": (
         """
         def call(a, b, *, material, **rest):
@@ -600,6 +636,7 @@ def test_whatever_a_call_refers_to_is_part_of_it(script, change):
         "def call():\n import rig.geometry as g\n return g.ball()",
         "def call():\n from rig.geometry import ball\n return ball()",
         "def call():\n from rig import geometry\n return geometry.ball()",
+        "def call():\n from rig import apart\n return apart.ball()",
     ],
 )
 def test_modules_of_the_user_are_part_of_a_call(use, tmp_path, monkeypatch):
@@ -622,6 +659,8 @@ def test_modules_of_the_user_are_part_of_a_call(use, tmp_path, monkeypatch):
             "from . import sizes\ndef ball():\n"
             "    from .sizes import RADIUS\n    return RADIUS * sizes.SCALE"
         )
+        # which nothing imports but the call
+        (folder / "apart.py").write_text("from .geometry import ball")
         call = run_as_script(use)["call"]
         assert call() == radius
         sys.modules["rig.sizes"].SCALE = scale

@@ -28,13 +28,15 @@ from types import (
     CellType,
     CodeType,
     FunctionType,
+    GenericAlias,
     GetSetDescriptorType,
     MappingProxyType,
     MemberDescriptorType,
     MethodType,
     ModuleType,
+    UnionType,
 )
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, get_args, get_origin
 
 import numpy as np
 
@@ -290,7 +292,10 @@ class _Reader:
             return self._many(array.tolist())
         if array.size <= 12 and array.dtype.kind in "biuf":
             return array.tolist() if np.ndim(values) else array.item()
-        array = array.astype(float) if array.dtype.kind in "iu" else array
+        if array.dtype.kind in "iu":  # as the same floats, where these hold all digits
+            floats = array.astype(float)
+            exact = np.array_equal(floats.astype(array.dtype), array)
+            array = floats if exact else array
         shape = "x".join(map(str, array.shape))
         ends = f"{array.flat[0]!s} to {array.flat[-1]!s}" if array.size else "empty"
         return f"{array.dtype} {shape}, {ends}, digest {_digest(array.tobytes())}"
@@ -306,6 +311,9 @@ class _Reader:
             held = {"function": value.__func__, "self": value.__self__}
         elif kind is functools.partial:
             held = {"function": value.func, "given": [value.args, value.keywords]}
+            held |= {"attributes": vars(value)} if vars(value) else {}
+        elif isinstance(value, (UnionType, GenericAlias)):
+            held = {"of": [get_origin(value), *get_args(value)]}
         elif isinstance(value, property):
             held = {"functions": [value.fget, value.fset, value.fdel]}
         elif isinstance(value, (staticmethod, classmethod)):
@@ -404,16 +412,18 @@ class _Reader:
             name, value = _followed(path, space)
             if name not in uses:
                 uses[name] = "not defined" if value is _MISSING else self.read(value)
-        for name, level in _imports(code):
-            uses |= self._imported("." * level + name, space)
+        for name, level, within in _imports(code):
+            uses |= self._imported("." * level + name, within, space)
         for each in code.co_consts:
             if isinstance(each, CodeType):
                 uses = self._referred_to(each, space) | uses
         return uses
 
-    def _imported(self, name: str, space: dict[str, object]) -> dict[str, Json]:
-        """A module that a function imports and its parents, as wholes; only those of
-        the user are imported for that.
+    def _imported(
+        self, name: str, within: tuple[str, ...], space: dict[str, object]
+    ) -> dict[str, Json]:
+        """A module that a function imports, its parents, and those modules that it
+        imports from `within` it, as wholes; only those of the user are imported.
         """
         try:
             full = importlib.util.resolve_name(
@@ -422,8 +432,11 @@ class _Reader:
             if home := _installed(full):
                 return {full: f"{full}, {home}"}
             parts = full.split(".")
-            parents = [".".join(parts[: i + 1]) for i in range(len(parts))]
-            return {each: self.read(importlib.import_module(each)) for each in parents}
+            wholes = [".".join(parts[: i + 1]) for i in range(len(parts))]
+            package = hasattr(importlib.import_module(full), "__path__")
+            inner = [f"{full}.{each}" for each in within if package]
+            wholes += [each for each in inner if importlib.util.find_spec(each)]
+            return {each: self.read(importlib.import_module(each)) for each in wholes}
         except ModuleNotFoundError:
             return {name: "not found"}
         except Exception as error:  # whatever a module of the user does
@@ -482,12 +495,12 @@ def _followed(path: list[str], space: dict[str, object]) -> tuple[str, object]:
     return name, value
 
 
-def _imports(code: CodeType) -> Iterator[tuple[str, int]]:
-    """The imports within code: module and level."""
+def _imports(code: CodeType) -> Iterator[tuple[str, int, tuple[str, ...]]]:
+    """The imports within code: module, level, and what is taken from the module."""
     before: list[Any] = [0, None]
     for step in dis.get_instructions(code):
         if step.opname == "IMPORT_NAME":
-            yield step.argval, before[-2]
+            yield step.argval, before[-2], before[-1] or ()
         before.append(step.argval)
 
 
