@@ -131,6 +131,16 @@ def test_doors_are_typed(count: Callable[[], int], most: int) -> None:
     assert now >= 0.95 * most - 2, f"only {now} are left of {most}: lower the number"
 
 
+def test_class_names_are_unique():
+    names = Counter(
+        node.name
+        for _, tree in files()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef)
+    )
+    assert not {name for name, times in names.items() if times > 1}
+
+
 if __name__ == "__main__":
     print(rooms(), sum(rooms().values()))
     print(sum(1 for _ in files()), untyped(), mappings(), keywords(), long_tuples())

@@ -181,7 +181,7 @@ class Conveyor(Result):
         )
 
 
-class _Given(NamedTuple):
+class _ConveyorGiven(NamedTuple):
     """The arguments as arrays."""
 
     velocity: Array
@@ -252,7 +252,7 @@ def conveyor(
                 f"{name} must be em.Idlers(cover, roll, spacing=...), got {side!r}."
             )
     given = _checked(velocity, belt, goods, temperature, gravity)
-    points = _Given(**broadcast(**given._asdict()))
+    points = _ConveyorGiven(**broadcast(**given._asdict()))
     speed, temperatures = points.velocity, points.temperature
     carry_weight = (points.belt + points.goods) * points.gravity
     return_weight = points.belt * points.gravity
@@ -290,9 +290,9 @@ def _checked(
     goods: ArrayLike,
     temperature: ArrayLike | None,
     gravity: ArrayLike,
-) -> _Given:
+) -> _ConveyorGiven:
     """Raises `InputError`."""
-    given = _Given(
+    given = _ConveyorGiven(
         as_float64("velocity", velocity),
         as_float64("belt", belt),
         as_float64("goods", goods),
@@ -344,7 +344,7 @@ def _solve_side(
 
 
 def _inputs_in_words(
-    carry: Idlers, back: Idlers, given: _Given
+    carry: Idlers, back: Idlers, given: _ConveyorGiven
 ) -> tuple[tuple[str, str], ...]:
     inputs = []
     for name, side in (("carry side", carry), ("return side", back)):

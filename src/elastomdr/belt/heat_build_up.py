@@ -154,7 +154,7 @@ class HeatBuildUp(Result):
         )
 
 
-class _Given(NamedTuple):
+class _HeatGiven(NamedTuple):
     """The arguments as arrays."""
 
     velocity: Array
@@ -259,7 +259,7 @@ def heat_build_up(
         )
     given = _checked(velocity, load, ambient, conductance, capacity, time)
     highest = _highest_temperature(foundation, hottest, given.ambient)
-    points = _Given(**broadcast(**given._asdict()))
+    points = _HeatGiven(**broadcast(**given._asdict()))
     heat = points.capacity
     # With a history it is said there what is not known of the material.
     ignored = ConvergenceWarning if heat is None else Warning
@@ -282,13 +282,13 @@ def _checked(
     conductance: ArrayLike,
     capacity: ArrayLike | None,
     time: ArrayLike | None,
-) -> _Given:
+) -> _HeatGiven:
     """Raises `InputError`."""
     if (time is None) != (capacity is None):
         raise InputError(
             "time and capacity belong together: give both for the history, or neither."
         )
-    return _Given(
+    return _HeatGiven(
         **positive_arrays(
             velocity=velocity,
             load=load,
@@ -375,7 +375,9 @@ def _warn_of_failures(converged: Array, highest: float) -> None:
         )
 
 
-def _without_history(body: _Body, state: _SteadyState, given: _Given) -> HeatBuildUp:
+def _without_history(
+    body: _Body, state: _SteadyState, given: _HeatGiven
+) -> HeatBuildUp:
     power = body.conductance * (state.temperature - body.ambient)
     return HeatBuildUp(
         velocity=body.velocity,
@@ -400,7 +402,7 @@ def _without_history(body: _Body, state: _SteadyState, given: _Given) -> HeatBui
 def _with_history(
     body: _Body,
     state: _SteadyState,
-    given: _Given,
+    given: _HeatGiven,
     heat: Array,
     time: ArrayLike | None,
 ) -> HeatBuildUp:
@@ -449,7 +451,7 @@ def _with_history(
 
 
 def _inputs_in_words(
-    of_rolling: tuple[tuple[str, str], ...], given: _Given
+    of_rolling: tuple[tuple[str, str], ...], given: _HeatGiven
 ) -> tuple[tuple[str, str], ...]:
     """The inputs of rolling but its temperature, those of the heat before the last."""
     inputs = [pair for pair in of_rolling if pair[0] != "temperature"]

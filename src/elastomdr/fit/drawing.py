@@ -13,11 +13,11 @@ import numpy as np
 from ..results.plotting import (
     FAINT,
     PALETTE,
-    Area,
     Dots,
     DrawAsk,
     Entry,
     Panels,
+    Shaded,
     Sketch,
     Trace,
     shades,
@@ -34,7 +34,7 @@ _SAME = 0.5  # distance from the reference up to which an isotherm is called tha
 _LONG = 90  # letters of a line in small print
 
 
-class Isotherms(NamedTuple):
+class DrawnIsotherms(NamedTuple):
     """Measured points of all temperatures."""
 
     x: np.ndarray
@@ -85,7 +85,7 @@ def draw_isotherms(
     made: Sketch,
     temperature: np.ndarray,
     reference: float | None,
-    every: Sequence[Isotherms],
+    every: Sequence[DrawnIsotherms],
 ) -> None:
     """Isotherms in one colour for each temperature; the marks tell what was measured."""
     for i, colour in enumerate(shades(temperature.size)):
@@ -123,7 +123,9 @@ def draw_band(made: Sketch, band: DynamicBand | RelaxationBand, label: str) -> N
         y, low, high = columns[k : k + 3]
         line = made.add(Trace(x, y, label, width=0.67, layer=4.0))
         made.add(
-            Area(x, low, high, interval, of=line, colour=BAND, opacity=0.35, layer=1.0)
+            Shaded(
+                x, low, high, interval, of=line, colour=BAND, opacity=0.35, layer=1.0
+            )
         )
         label = interval = ""
 

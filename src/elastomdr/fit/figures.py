@@ -18,7 +18,7 @@ from ..results.plotting import (
     intervals,
     saved,
 )
-from .drawing import BAND, BLUE, RED, Isotherms, celsius, draw_isotherms, sketch
+from .drawing import BAND, BLUE, RED, DrawnIsotherms, celsius, draw_isotherms, sketch
 from .master import MasterCurve
 from .series import PronyFit
 
@@ -155,7 +155,7 @@ def draw_cole_cole(
         points = fit.storage, fit.loss
     else:
         points = master.storage, master.loss
-        every = [Isotherms(*points, master.isotherm)]
+        every = [DrawnIsotherms(*points, master.isotherm)]
         draw_isotherms(made, master.temperature, master.reference, every)
     _widen(made.ax, *map(np.concatenate, zip(points, line, strict=True)))
     made.add(Trace(*line, colour=INK, width=0.67, layer=4.0))
@@ -180,7 +180,7 @@ def draw_van_gurp_palmen(
     )
     made.ax.set(xscale="log")
     _widen(made.ax, modulus)
-    every = [Isotherms(modulus, angle, master.isotherm)]
+    every = [DrawnIsotherms(modulus, angle, master.isotherm)]
     draw_isotherms(made, master.temperature, master.reference, every)
     return made.finish()
 

@@ -127,8 +127,8 @@ class FrictionMaster(AbstractFindings):
         """Draws the shifted friction with its curve on `ax`, or on a new figure, in a
         style of `Result.plot`; returns matplotlib Axes.
         """
-        from ..results.plotting import Area, Trace
-        from .drawing import Isotherms, celsius, draw_isotherms, sketch
+        from ..results.plotting import Shaded, Trace
+        from .drawing import DrawnIsotherms, celsius, draw_isotherms, sketch
 
         made = sketch(
             (r"Reduced velocity $v\,a_T$ [m/s]", "Friction coefficient [-]"),
@@ -137,12 +137,12 @@ class FrictionMaster(AbstractFindings):
             style=style,
         )
         made.ax.set(xscale="log")
-        every = [Isotherms(self.velocity, self.mu, self.number)]
+        every = [DrawnIsotherms(self.velocity, self.mu, self.number)]
         draw_isotherms(made, self.temperature, None, every)
         v = np.geomspace(self.velocity.min(), self.velocity.max(), 300)
         value, low, high = self.curve(v)
         line = made.add(Trace(v, value, "smooth curve, 95 % band", width=0.67))
-        made.add(Area(v, low, high, opacity=0.25, of=line))
+        made.add(Shaded(v, low, high, opacity=0.25, of=line))
         return made.finish()
 
     def findings(self) -> Iterator[tuple[str, str]]:

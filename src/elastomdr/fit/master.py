@@ -558,17 +558,17 @@ class MasterCurve(AbstractFindings):
 
     def draw_points(self, made: Sketch) -> None:
         """Draws the shifted data, one colour for each temperature."""
-        from .drawing import Isotherms, draw_isotherms
+        from .drawing import DrawnIsotherms, draw_isotherms
 
         every = [
-            Isotherms(self.omega, self.storage, self.isotherm, "storage modulus"),
-            Isotherms(
+            DrawnIsotherms(self.omega, self.storage, self.isotherm, "storage modulus"),
+            DrawnIsotherms(
                 self.omega, self.loss, self.isotherm, "loss modulus", "s", "none"
             ),
         ]
         if not self.omega.size:
             measured = self.time, self.relaxation, self.time_isotherm
-            every = [Isotherms(*measured, "relaxation modulus")]
+            every = [DrawnIsotherms(*measured, "relaxation modulus")]
         draw_isotherms(made, self.temperature, self.reference, every)
 
     def findings(self) -> Iterator[tuple[str, str]]:

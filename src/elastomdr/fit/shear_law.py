@@ -223,7 +223,7 @@ class _FittedPoints(NamedTuple):
         return h + np.exp(p[0] - p[2] * x**2) * s
 
 
-class _Measured(NamedTuple):
+class _MeasuredFriction(NamedTuple):
     """What was measured, flat; None of what is not known."""
 
     velocity: np.ndarray
@@ -342,7 +342,7 @@ def _checked_curves(curve: object) -> Mapping[float, FrictionCurve]:
 
 def _measured(
     measured: MeasuredFriction | ArrayLike, curve: FrictionCurve
-) -> _Measured:
+) -> _MeasuredFriction:
     """Velocity, temperature, pressure, mu and error of the points, flat."""
     given: MeasuredFriction | FrictionCurve = curve
     if isinstance(measured, MeasuredFriction):
@@ -360,10 +360,10 @@ def _measured(
         None if value is None else np.asarray(value, dtype=float).ravel()
         for value in columns
     ]
-    return _Measured(*flat)  # pyright: ignore[reportArgumentType]
+    return _MeasuredFriction(*flat)  # pyright: ignore[reportArgumentType]
 
 
-def _at_points(curve: FrictionCurve, data: _Measured) -> _Computed:
+def _at_points(curve: FrictionCurve, data: _MeasuredFriction) -> _Computed:
     """What a curve has at the points. Raises `InputError` where it cannot."""
     if curve.area_ratio is not None and curve.pressure is not None:
         share = curve.area_ratio / curve.pressure
@@ -414,7 +414,7 @@ def _at_points(curve: FrictionCurve, data: _Measured) -> _Computed:
         ) from problem
 
 
-def _meets(curve: FrictionCurve, data: _Measured) -> bool:
+def _meets(curve: FrictionCurve, data: _MeasuredFriction) -> bool:
     """Whether a curve has been computed at the points themselves."""
     if np.size(curve.mu) != data.mu.size:
         return False
@@ -461,7 +461,7 @@ def _chosen(every: _FittedPoints, used: np.ndarray) -> _FittedPoints:
 
 
 def _sizes(
-    error: ArrayLike | str | None, data: _Measured, used: np.ndarray
+    error: ArrayLike | str | None, data: _MeasuredFriction, used: np.ndarray
 ) -> tuple[bool, np.ndarray]:
     """Whether the error of each point is known, and what it is, or in proportion to
     what.
@@ -654,7 +654,7 @@ def _estimate(points: _FittedPoints, p: np.ndarray, bounds: list[Ends]) -> _Esti
 
 def _packed(
     points: _FittedPoints,
-    data: _Measured,
+    data: _MeasuredFriction,
     computed: Mapping[float, _Computed],
     used: np.ndarray,
     p: np.ndarray,

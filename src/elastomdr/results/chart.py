@@ -13,10 +13,10 @@ import numpy as np
 from .plotting import (
     GRID,
     Across,
-    Area,
     Caption,
     Entry,
     Mark,
+    Shaded,
     Trace,
     canvas_of,
     heading,
@@ -120,7 +120,7 @@ def _chart(ax: Axes) -> Chart | None:
     # a band lies behind all curves
     marks = sorted(
         (pair for pair in _marks(entries, canvas.style.words) if pair[0].ax is ax),
-        key=lambda pair: not isinstance(pair[0], Area),
+        key=lambda pair: not isinstance(pair[0], Shaded),
     )
     lines = [(mark, name) for mark, name in marks if isinstance(mark, Trace)]
     curves = [mark for mark, _ in lines if mark.dashes and mark.x.size > 1]
@@ -164,7 +164,7 @@ def _marks(entries: Sequence[Entry], with_values: bool) -> Iterator[tuple[Mark, 
 
 def _traces(mark: Mark, together: bool) -> Iterator[Options]:
     """A mark as traces; a rule is a shape."""
-    if isinstance(mark, Area):
+    if isinstance(mark, Shaded):
         x, low, high = (each[mark.known()] for each in (mark.x, mark.low, mark.high))
         yield {
             "x": [*x, *x[::-1]],

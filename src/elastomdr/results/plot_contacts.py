@@ -11,13 +11,13 @@ from .axes import Curve
 from .plotting import (
     LOG_RATIO,
     PALETTE,
-    Area,
     Caption,
     Dots,
     DrawAsk,
     DrawnLine,
     Panels,
     ResultSketch,
+    Shaded,
     Trace,
     canvas_of,
     draw,
@@ -204,7 +204,7 @@ def draw_rough_contact(result: Result, ask: DrawAsk, x: str = "", y: str = "") -
             relative = known[y] == "error"
             half = error * line.y if relative else in_unit(error, sketch.about[y].shown)
             low = np.maximum(line.y - half, 1e-3 * line.y)
-            sketch.add(Area(line.x, low, line.y + half, colour=line.colour, of=drawn))
+            sketch.add(Shaded(line.x, low, line.y + half, colour=line.colour, of=drawn))
 
     ax = draw(result, ask, x, y, band)
     logarithmic_if_wide(ax, getattr(result, y or result.shows), LOG_RATIO / 4)

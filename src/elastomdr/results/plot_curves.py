@@ -19,7 +19,6 @@ from .plotting import (
     PALETTE,
     RED,
     Across,
-    Area,
     Caption,
     Dots,
     DrawAsk,
@@ -27,6 +26,7 @@ from .plotting import (
     Entry,
     Panels,
     ResultSketch,
+    Shaded,
     Sketch,
     Trace,
     dotted,
@@ -168,7 +168,7 @@ def _draw_parts(
         _thin(sketch, line, border, "-.")
         return
     sketch.add(
-        Area(
+        Shaded(
             line.x,
             0.0 * border,
             border,
@@ -179,7 +179,7 @@ def _draw_parts(
         )
     )
     sketch.add(
-        Area(
+        Shaded(
             line.x,
             border,
             line.y,
@@ -197,7 +197,7 @@ def _draw_band(
     """The uncertainty, of a single point as a bar."""
     if line.x.size > 1:
         low, high = np.maximum(line.y - down, 0.0), line.y + up
-        sketch.add(Area(line.x, low, high, colour=line.colour, of=drawn))
+        sketch.add(Shaded(line.x, low, high, colour=line.colour, of=drawn))
     else:
         sketch.add(intervals(line.x, line.y - down, line.y + up, line.colour))
 
@@ -413,7 +413,7 @@ def draw_stability(result: Result, ask: DrawAsk) -> Axes:
             sketch.add(Dots(line.x[unstable], line.y[unstable], colour=_UNSTABLE))
         if unstable.any():
             below = np.where(counts, np.minimum(line.y, 0.0), np.nan)
-            sketch.add(Area(
+            sketch.add(Shaded(
                 *(line.x, below, 0.0 * below), "swings grow", colour=_UNSTABLE,
                 opacity=0.3, layer=1.0,
             ))  # fmt: skip
@@ -541,7 +541,7 @@ def _draw_bar(
 ) -> None:
     """One material of a ranking, its name above the bar."""
     ends, half = np.array([0.0, place.mu]), np.full(2, 0.25)
-    sketch.add(Area(ends, i - half, i + half, opacity=1.0, colour=colour, ax=ax))
+    sketch.add(Shaded(ends, i - half, i + half, opacity=1.0, colour=colour, ax=ax))
     if np.isfinite(place.uncertainty):
         ends = place.mu + place.uncertainty * np.array([-1.0, 1.0])
         sketch.add(Trace(ends, np.full(2, i), width=0.6, mark="|", ax=ax))

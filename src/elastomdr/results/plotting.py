@@ -135,7 +135,7 @@ class Trace:
     silent: bool = False  # nothing is said of it where one points at it
     layer: float = 3.0
     ax: Axes | None = None
-    band: Area | None = None  # around it
+    band: Shaded | None = None  # around it
 
     def parts(self) -> tuple[np.ndarray, np.ndarray | None]:
         """y where it is sure, and y where it is to be doubted, up to the neighbours so
@@ -199,7 +199,7 @@ def intervals(
 
 
 @dataclass(eq=False)
-class Area:
+class Shaded:
     """An area between two curves."""
 
     x: np.ndarray
@@ -283,7 +283,7 @@ class Caption:
         )
 
 
-Mark: TypeAlias = Trace | Area | Across | Caption
+Mark: TypeAlias = Trace | Shaded | Across | Caption
 M = TypeVar("M", bound=Mark)
 
 
@@ -369,7 +369,7 @@ class Sketch:
     def add(self, mark: M) -> M:
         """Draws a mark; an area of nothing that is known would spoil the limits."""
         mark.ax = mark.ax or self.ax
-        if isinstance(mark, Area) and not mark.known().any():
+        if isinstance(mark, Shaded) and not mark.known().any():
             return mark
         self.entry.marks[mark] = mark.draw(mark.ax, self.style)
         return mark

@@ -144,7 +144,7 @@ def warmed(
     )
 
 
-class _Curve(NamedTuple):
+class _FlashCurve(NamedTuple):
     """Heights that friction makes, coarse and interpolated, up to the rise `top`."""
 
     made: list[Any]  # their log against log(v a_T), for each point
@@ -182,7 +182,7 @@ class _Group(NamedTuple):
     friction: Callable[[np.ndarray, np.ndarray, bool], Any]
     hot: bool
 
-    def first(self, cold: np.ndarray) -> tuple[_Curve, _Roots]:
+    def first(self, cold: np.ndarray) -> tuple[_FlashCurve, _Roots]:
         """The curve on which roots are looked for, and the first of them, from friction
         without heat. It goes on while friction grows with temperature.
         """
@@ -200,7 +200,7 @@ class _Group(NamedTuple):
             top = 4 * top
 
     def settle(
-        self, curve: _Curve, root: np.ndarray
+        self, curve: _FlashCurve, root: np.ndarray
     ) -> Iterator[tuple[np.ndarray, np.ndarray, Any]]:
         """Points that have settled, their rise and their friction."""
         correction = np.ones(root.size)
@@ -276,7 +276,7 @@ class _Group(NamedTuple):
         ]
         return mu * self.pressure * self.velocity[points] * np.array(per_flux)
 
-    def curve(self, least: np.ndarray, top: np.ndarray) -> _Curve:
+    def curve(self, least: np.ndarray, top: np.ndarray) -> _FlashCurve:
         """The rise that friction makes, for each point's velocity.
 
         It has the mean of p/b_T at the points' temperatures without a rise: what that
@@ -306,9 +306,9 @@ class _Group(NamedTuple):
             PchipInterpolator(np.log(nodes[known]), np.nan_to_num(row, nan=800.0))
             for row in log_rise
         ]
-        return _Curve(made, least, top)
+        return _FlashCurve(made, least, top)
 
-    def roots(self, curve: _Curve, correction: np.ndarray) -> _Roots:
+    def roots(self, curve: _FlashCurve, correction: np.ndarray) -> _Roots:
         """The smallest rise that the friction at it makes, or with `hot` the largest;
         NaN where there is none up to the top.
         """
@@ -332,7 +332,7 @@ class _Group(NamedTuple):
         return _Roots(rise, several, growing)
 
     def on(
-        self, curve: _Curve, tried: np.ndarray, correction: np.ndarray
+        self, curve: _FlashCurve, tried: np.ndarray, correction: np.ndarray
     ) -> np.ndarray:
         """The rises that friction makes at rises (points, tried)."""
         places = np.log(self.reduced(tried))

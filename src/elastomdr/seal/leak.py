@@ -184,10 +184,10 @@ class Leak(Result):
         """
         self._check_shown(show)
         from ..results.plotting import (
-            Area,
             DrawAsk,
             DrawnLine,
             ResultSketch,
+            Shaded,
             Trace,
             draw,
             logarithmic_if_wide,
@@ -199,7 +199,7 @@ class Leak(Result):
                 error = sketch.along_line(error, line)
                 factor = 1 + np.where(np.isfinite(error), error, np.nan)
                 ends = line.y / factor, line.y * factor
-                sketch.add(Area(line.x, *ends, colour=line.colour, of=drawn))
+                sketch.add(Shaded(line.x, *ends, colour=line.colour, of=drawn))
 
         counts = {axis.name: axis.values.size for axis in self.axes()}
         names = ("time", "pressure", "pressure_drop")

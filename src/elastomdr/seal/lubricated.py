@@ -200,10 +200,10 @@ class Lubricated(Result):
         """
         self._check_shown(show, "mu", "film_thickness", "least_film", "flow")
         from ..results.plotting import (
-            Area,
             DrawAsk,
             DrawnLine,
             ResultSketch,
+            Shaded,
             Trace,
             draw,
         )
@@ -212,7 +212,7 @@ class Lubricated(Result):
             error = sketch.along_line(sketch.fields["trapped_error"], line)
             if show == "mu" and (error > 0).any():
                 ends = line.y - error, line.y + error
-                sketch.add(Area(line.x, *ends, colour=line.colour, of=drawn))
+                sketch.add(Shaded(line.x, *ends, colour=line.colour, of=drawn))
                 sketch.entry.notes.append(
                     "band: liquid in closed channels stays or leaves"
                 )

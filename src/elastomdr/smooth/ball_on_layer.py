@@ -98,7 +98,7 @@ class _DirectionMean(NamedTuple):
     good: Array
 
 
-class _Scene(NamedTuple):
+class _BallScene(NamedTuple):
     """A call, checked and planned."""
 
     points: SteadyScene
@@ -151,7 +151,7 @@ def ball_on_layer(call: SmoothCall) -> OnLayer:
     return on_layer_packed(points, solution, material, shape, scene.plan)
 
 
-def _set_up(call: SmoothCall) -> _Scene:
+def _set_up(call: SmoothCall) -> _BallScene:
     material, shape, rtol = call.material, call.shape, call.rtol
     assert isinstance(material, Layer)  # or the call would not come here
     _check_shape(shape)
@@ -182,7 +182,7 @@ def _set_up(call: SmoothCall) -> _Scene:
             ("not needed", "history, since the motion is steady; a grid of cells"),
         ),
     )
-    return _Scene(points, material, shape, averaged, corrected, plan)
+    return _BallScene(points, material, shape, averaged, corrected, plan)
 
 
 def _check_depth(points: SteadyScene, thick: Array) -> None:

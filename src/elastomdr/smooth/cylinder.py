@@ -105,7 +105,7 @@ class _Contacts(NamedTuple):
     good: Array
 
 
-class _Scene(NamedTuple):
+class _CylinderScene(NamedTuple):
     """A call, checked and planned."""
 
     points: SteadyScene
@@ -146,7 +146,7 @@ def cylinder_on_layer(call: SmoothCall) -> OnLayer:
     return on_layer_packed(points, solution, scene.body, shape, scene.plan)
 
 
-def _set_up(call: SmoothCall) -> _Scene:
+def _set_up(call: SmoothCall) -> _CylinderScene:
     shape, body = _cylinder(call), _checked_body(call)
     check_rtol(call.rtol)
     layers = isinstance(body, Layer)
@@ -177,10 +177,10 @@ def _set_up(call: SmoothCall) -> _Scene:
             ("not needed", "history, since the motion is steady; elements of a line"),
         ),
     )
-    return _Scene(points, body, shape, carriers, misfit, plan)
+    return _CylinderScene(points, body, shape, carriers, misfit, plan)
 
 
-def _solved(scene: _Scene) -> tuple[_Contacts, Array]:
+def _solved(scene: _CylinderScene) -> tuple[_Contacts, Array]:
     """The contacts, and which would sink into the ground under the layer."""
     points, carriers, plan = scene.points, scene.carriers, scene.plan
     layers, by_depth = isinstance(scene.body, Layer), plan.control == "depth"

@@ -90,7 +90,7 @@ class Tractions(NamedTuple):
     sticks_again: Bool[Array, " points"]
 
 
-class Sheared(NamedTuple):
+class ShearedBrush(NamedTuple):
     """Elements that the creepage shears, each law in force per length and
     displacement.
     """
@@ -124,10 +124,10 @@ class Sheared(NamedTuple):
         return self.creepage * traction, self.creepage * summed
 
 
-def sheared_by(r: RollingContact) -> Sheared:
+def sheared_by(r: RollingContact) -> ShearedBrush:
     """The elements of rolling contacts."""
     law = r.tangential
-    return Sheared(
+    return ShearedBrush(
         law.equilibrium,
         law.moduli[:, None],
         law.times,
@@ -170,7 +170,7 @@ def tractions(rolling: RollingContact, rule: Rule, steps: int) -> Tractions:
 
 
 def _pulled(
-    sheared: Sheared,
+    sheared: ShearedBrush,
     weight: Array,
     first: Array,
     limits: Callable[[int], Array],
@@ -217,7 +217,10 @@ def _pulled(
 
 
 def _sticking_length(
-    sheared: Sheared, limit_at: Callable[[Array], Array], first_slip: Array, steps: int
+    sheared: ShearedBrush,
+    limit_at: Callable[[Array], Array],
+    first_slip: Array,
+    steps: int,
 ) -> Array:
     """The distance c from the leading edge at which tau_stick reaches mu q, by halving;
     all of the contact sticks without an end of friction, or without creepage, and none
@@ -293,7 +296,7 @@ class _Step(NamedTuple):
     stiffness: Array
 
 
-def _march(sheared: Sheared, first: Array, limits: Array) -> _Marched:
+def _march(sheared: ShearedBrush, first: Array, limits: Array) -> _Marched:
     """Elements followed from the leading edge to the trailing one, in blocks of
     steps.
     """
@@ -468,7 +471,7 @@ def shear_compliance(k: np.ndarray, thickness: float, poisson: float) -> np.ndar
 def layer_traction(contact: LayerContact) -> Tractions:
     """Traction of cylinders on a layer, per length [N/m]."""
     law, length = contact.law, 2 * contact.half_length
-    sheared = Sheared(
+    sheared = ShearedBrush(
         contact.stiffness * law.equilibrium,
         contact.stiffness * law.moduli[:, None],
         law.times,

@@ -99,7 +99,7 @@ CARTER = (
 _BoundAt = Callable[[Any, Any], Bound]
 
 
-class _Scene(NamedTuple):
+class _TractionScene(NamedTuple):
     """What is asked for; velocity and creepage are those of rolling."""
 
     shape: Any
@@ -250,7 +250,7 @@ def traction(
         friction=0.0 if isinstance(friction, FrictionLaw) else friction,
     )
     velocity = xp.broadcast_to(velocity, points)
-    scene = _Scene(
+    scene = _TractionScene(
         shape, velocity, creepage, friction, load, depth, temperature, model, rtol
     )
     if isinstance(foundation, Layer):
@@ -325,7 +325,7 @@ def _over_slip(curve: Traction, slip: Array, road: Array) -> Traction:
 
 
 def _on_line(
-    material: Material, scene: _Scene, tangential: Foundation | None
+    material: Material, scene: _TractionScene, tangential: Foundation | None
 ) -> Traction:
     """A body on the MDR line, or on springs. Raises `InputError`."""
     normal, sheared = _foundations(material, scene, tangential)
@@ -363,7 +363,7 @@ def _on_line(
 
 
 def _foundations(
-    material: Material, scene: _Scene, tangential: Foundation | None
+    material: Material, scene: _TractionScene, tangential: Foundation | None
 ) -> tuple[Foundation, Foundation]:
     """The normal and the tangential foundation. Raises `InputError`."""
     normal, sheared = both_laws(material, tangential)
@@ -383,7 +383,7 @@ def _pull(
     solution: Steady,
     sheared: Foundation,
     friction: Array,
-    scene: _Scene,
+    scene: _TractionScene,
 ) -> tuple[Tractions, Any]:
     """Tractions to the tolerance, in the shape of the result, and at which of the
     flattened points it was missed.
@@ -446,7 +446,7 @@ def _pull(
 def _of_line(
     normal: Foundation,
     sheared: Foundation,
-    scene: _Scene,
+    scene: _TractionScene,
     tangential: Foundation | None,
 ) -> _BoundAt:
     """Of a row of elements: exact where it was asked for as such, under one friction
@@ -477,7 +477,7 @@ def _of_a_strip(coefficient: Array, friction: Array) -> Bound:
     return Bound(xp.minimum(most, 0.25 * coefficient))
 
 
-def _on_strip(layer: Layer, law: Relaxation, scene: _Scene) -> _BoundAt:
+def _on_strip(layer: Layer, law: Relaxation, scene: _TractionScene) -> _BoundAt:
     """Of the brush on a layer."""
     if scene.law is not None:
         return lambda *_: ONE_VELOCITY
@@ -492,7 +492,7 @@ def _is_elastic(law: Relaxation) -> bool:
 
 
 def _packed(
-    scene: _Scene,
+    scene: _TractionScene,
     solution: Steady,
     *,
     creepage: Array,
@@ -566,7 +566,9 @@ def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
     return normal
 
 
-def _on_layer(layer: Layer, scene: _Scene, tangential: Foundation | None) -> Traction:
+def _on_layer(
+    layer: Layer, scene: _TractionScene, tangential: Foundation | None
+) -> Traction:
     """A cylinder on a bonded layer. Raises `InputError`."""
     law = _checked_layer(layer, scene, tangential)
     asked = Asked(
@@ -627,7 +629,7 @@ def _pulled(contact: LayerContact, length: float, points: SteadyScene) -> Tracti
 
 
 def _checked_layer(
-    layer: Layer, scene: _Scene, tangential: Foundation | None
+    layer: Layer, scene: _TractionScene, tangential: Foundation | None
 ) -> Relaxation:
     """G(t) of the layer. Raises `InputError` for other bodies and what is not known of
     the shear.
@@ -664,7 +666,7 @@ def _checked_layer(
     return sheared
 
 
-def _carter(foundation: Foundation, scene: _Scene) -> Traction:
+def _carter(foundation: Foundation, scene: _TractionScene) -> Traction:
     """A cylinder on an elastic half-space. Raises `InputError`."""
     load, modulus = _checked_half_plane(foundation, scene)
     shape: Any = scene.shape
@@ -712,7 +714,9 @@ def _carter(foundation: Foundation, scene: _Scene) -> Traction:
     )
 
 
-def _checked_half_plane(foundation: Foundation, scene: _Scene) -> tuple[Any, Any]:
+def _checked_half_plane(
+    foundation: Foundation, scene: _TractionScene
+) -> tuple[Any, Any]:
     """Load [N] and E* [Pa] at the temperature. Raises `InputError`."""
     law = foundation.law()
     vertical = foundation.vertical
