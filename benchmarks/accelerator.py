@@ -59,12 +59,11 @@ def main() -> None:
     by_numpy = np.concatenate(
         [
             multiscale._evaluate(
-                None,
+                table,
                 at,
                 velocity[i : i + 64],
                 pressure[i : i + 64],
                 MODEL,
-                table,
                 plain,
             )[0]
             for i in range(0, SAMPLE, 64)

@@ -83,7 +83,7 @@ class Points:
             at = np.array([p["velocity"]]), np.array([p["pressure"]])
             cells = nodes(surface, CELLS, multiscale.bends(surface, local))
             table = multiscale.table_of(modulus, cells, at[0], 32, local)
-            scenes.append((modulus, cells, *at, table))
+            scenes.append((table, cells, *at))
             felt.append(multiscale.felt(body, surface, at[0]))
             slope.append(slope_of_loss(body, surface, p["velocity"]))
             full.append(full_contact(modulus, surface, *at)[0])

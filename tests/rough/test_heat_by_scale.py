@@ -109,7 +109,6 @@ def test_conduction_is_what_plain_sums_make_of_it(heat, adhesion):
         at,
         np.array([0.3]),
         np.array([2e5]),
-        None,
         multiscale.Local(),
     )
     shares = em.Multiscale().contact(integral_to(found.rate, at.weight), found.stiffer)

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from ..arrays import Array, namespace
-from .psd_integrals import Averages, Modulus, Tables, moduli_table, read_columns
+from .psd_integrals import Averages, Moduli, Modulus, Tables, moduli_table, read_columns
 
 if TYPE_CHECKING:
     from ..surface.lay import Lay
@@ -89,8 +89,7 @@ def directed_table(modulus: Modulus, low: float, high: float, step: float) -> Ta
 
 
 def averages(
-    modulus: Modulus,
-    table: Tables | None,
+    moduli: Moduli,
     w: Array,
     q: Array,
     directed: Directed,
@@ -98,13 +97,13 @@ def averages(
     parted: bool,
 ) -> Averages:
     """`Averages` at frequencies w (points, cells, nodes) of wave numbers q (cells,
-    nodes); moduli from the table or, without one, from `modulus`.
+    nodes).
     """
-    if table is None:  # JAX traces
-        return _averages(modulus, None, w, q, directed, finer, parted)
+    if not isinstance(moduli, Tables):  # JAX traces
+        return _averages(moduli, w, q, directed, finer, parted)
     size = max(1, _MOST // w[0].size)
     parts = [
-        _averages(modulus, table, w[batch], q, directed.of(batch), finer, parted)
+        _averages(moduli, w[batch], q, directed.of(batch), finer, parted)
         for batch in (slice(i, i + size) for i in range(0, w.shape[0], size))
     ]
     drag, stiffness, stiffer, lost = zip(*parts, strict=True)
@@ -117,8 +116,7 @@ def averages(
 
 
 def _averages(
-    modulus: Modulus,
-    table: Tables | None,
+    moduli: Moduli,
     w: Array,
     q: Array,
     directed: Directed,
@@ -132,20 +130,20 @@ def _averages(
         xp.asarray(q)[..., None], over.cos_square, over.sin_square
     )
 
-    def moduli(w: Array) -> tuple[Any, Any]:
+    def at_angles(w: Array) -> tuple[Any, Any]:
         """Im E* and |E*|^2 at each angle."""
-        if table is None:
-            value = modulus(w[..., None] * over.cosine)
+        if not isinstance(moduli, Tables):
+            value = moduli(w[..., None] * over.cosine)
             return value.imag, value.real**2 + value.imag**2
         log_w = np.log(w)[..., None] + np.log(over.cosine)
-        loss, square = read_columns(table, log_w, slice(None))
+        loss, square = read_columns(moduli, log_w, slice(None))
         return np.exp(loss), np.exp(square)
 
-    loss, square = moduli(w)
+    loss, square = at_angles(w)
     stiffness = (weight * square).sum(-1)
     stiffer = 0.0 * stiffness
     if finer:
-        _, in_contact = moduli(w * np.exp(finer))
+        _, in_contact = at_angles(w * np.exp(finer))
         stiffer = xp.log((weight * in_contact).sum(-1) / stiffness)
     return Averages(
         (weight * over.cosine * loss).sum(-1),

@@ -14,7 +14,7 @@ import numpy as np
 from ..arrays import Array, on_jax
 from .local_modulus import Local
 from .psd_integrals import Nodes, Tables
-from .road_model import SurfaceModel
+from .road_model import WaveByWave
 
 # points from which an accelerator is asked for: below, compiling takes longer
 _MANY = 20_000
@@ -34,7 +34,7 @@ def worth_compiling(count: int, local: Local) -> bool:
 
 
 def friction_and_area(
-    model: SurfaceModel,
+    model: WaveByWave,
     wave_nodes: Nodes,
     table: Tables,
     velocity: Array,
@@ -44,13 +44,8 @@ def friction_and_area(
     return on_jax(_in_batches, model, wave_nodes, table, velocity, pressure)
 
 
-def _untabled(omega: Array) -> Array:
-    """The moduli stand in a table."""
-    raise NotImplementedError
-
-
 def _in_batches(
-    model: SurfaceModel,
+    model: WaveByWave,
     wave_nodes: Nodes,
     table: Tables,
     velocity: Array,
@@ -72,14 +67,14 @@ def _in_batches(
 
 
 @functools.lru_cache(maxsize=8)
-def _program(model: SurfaceModel, step: float, first: int) -> Any:
+def _program(model: WaveByWave, step: float, first: int) -> Any:
     import jax
 
     def evaluate(
         wave_nodes: Nodes, cubics: np.ndarray, velocity: Array, pressure: Array
     ) -> Any:
         table = Tables(step, first, cubics)
-        waves = model.waves(_untabled, wave_nodes, velocity, pressure, table, Local())
+        waves = model.waves(table, wave_nodes, velocity, pressure, Local())
         return waves.each.sum((-2, -1)) + waves.edges, waves.area
 
     return jax.jit(evaluate)

@@ -63,6 +63,7 @@ from .many_points import friction_and_area, worth_compiling
 from .psd_integrals import (
     PER_DECADE,
     Averages,
+    Moduli,
     Modulus,
     Nodes,
     Tables,
@@ -78,7 +79,7 @@ from .psd_integrals import (
     spread_of,
     tables,
 )
-from .road_model import SurfaceFriction, SurfaceModel, Waves
+from .road_model import SurfaceFriction, WaveByWave, Waves
 
 if TYPE_CHECKING:
     from .._types import Scalar
@@ -123,7 +124,7 @@ def solve(
     spectrum: AbstractSpectrum,
     velocity: Array,
     pressure: Array,
-    model: SurfaceModel,
+    model: WaveByWave,
     rtol: float,
     local: Local = _LINEAR,
 ) -> ContactAndFriction:
@@ -177,7 +178,7 @@ def _in_batches(
     spectrum: AbstractSpectrum,
     velocity: Array,
     pressure: Array,
-    model: SurfaceModel,
+    model: WaveByWave,
     per_decade: int,
     local: Local,
 ) -> Any:
@@ -190,12 +191,11 @@ def _in_batches(
     batches = [order[i : i + _BATCH] for i in range(0, velocity.size, _BATCH)]
     out = [
         _evaluate(
-            modulus,
+            table,
             wave_nodes,
             velocity[batch],
             pressure[batch],
             model,
-            table,
             local.of(batch),
         )
         for batch in batches
@@ -225,16 +225,15 @@ def table_of(
 
 
 def _evaluate(
-    modulus: Modulus,
+    moduli: Moduli,
     wave_nodes: Nodes,
     velocity: Array,
     pressure: Array,
-    model: SurfaceModel,
-    table: Tables | None,
+    model: WaveByWave,
     local: Local,
 ) -> tuple[Any, Any]:
     """mu and area of real contact at each point."""
-    by_wave = model.waves(modulus, wave_nodes, velocity, pressure, table, local)
+    by_wave = model.waves(moduli, wave_nodes, velocity, pressure, local)
     return by_wave.each.sum((-2, -1)) + by_wave.edges, by_wave.area
 
 
@@ -253,26 +252,23 @@ def _spread(plain: Array, stiffer: Array | float) -> Array:
 
 
 def averages_of(
-    modulus: Modulus,
+    moduli: Moduli,
     velocity: Array,
     q: Array,
-    table: Tables | None,
     local: Local = _LINEAR,
     finer: float = 0.0,
 ) -> Averages:
-    """The averages over the angle at q v, read from the tables of the material or,
-    without them, by the angle.
-    """
+    """The averages over the angle at q v."""
     speed, storage, loss = local.at(q)
     w = _frequency(velocity, q, speed)
     if local.directed is not None:
         averages = against_lay.averages(
-            modulus, table, w, q, local.directed, finer, local.parted
+            moduli, w, q, local.directed, finer, local.parted
         )
-    elif table is None:
-        averages = direct(modulus, w, finer, local.parted)
+    elif isinstance(moduli, Tables):
+        averages = read(moduli, namespace(w).log(w))
     else:
-        averages = read(table, namespace(w).log(w))
+        averages = direct(moduli, w, finer, local.parted)
     if averages.lost is None:
         return averages
     factor = storage**2 + (loss**2 - storage**2) * averages.lost
@@ -282,10 +278,9 @@ def averages_of(
 
 
 def _stiffer(
-    modulus: Modulus,
+    moduli: Moduli,
     velocity: Array,
     q: Array,
-    table: Tables | None,
     local: Local,
     finer: float,
 ) -> Any:
@@ -293,12 +288,10 @@ def _stiffer(
     speed, _, _ = local.at(q)
     w = _frequency(velocity, q, speed)
     if local.directed is not None:
-        return against_lay.averages(
-            modulus, table, w, q, local.directed, finer, False
-        ).stiffer
-    if table is None:
-        return direct(modulus, w, finer, local.parted).stiffer
-    return read_stiffer(table, namespace(w).log(w))
+        return against_lay.averages(moduli, w, q, local.directed, finer, False).stiffer
+    if isinstance(moduli, Tables):
+        return read_stiffer(moduli, namespace(w).log(w))
+    return direct(moduli, w, finer, local.parted).stiffer
 
 
 def _frequency(velocity: Array, q: Array, speed: Array) -> Any:
@@ -313,17 +306,16 @@ def rate_of(wave_nodes: Nodes, stiffness: Array | float, pressure: Array) -> Arr
 
 
 def waves_of_persson(
-    modulus: Modulus,
+    moduli: Moduli,
     wave_nodes: Nodes,
     velocity: Array,
     pressure: Array,
     energy_factor: tuple[float, bool],
-    table: Tables | None,
     local: Local,
 ) -> Waves:
     """Friction wave by wave, by Persson's theory; none of contact edges."""
     p = pressure[:, None, None]
-    drag, stiffness, *_ = averages_of(modulus, velocity, wave_nodes.q, table, local)
+    drag, stiffness, *_ = averages_of(moduli, velocity, wave_nodes.q, local)
     rate = rate_of(wave_nodes, stiffness, p)
     shares = contact(integral_to(rate, wave_nodes.weight), *energy_factor)
     full = wave_nodes.weight * wave_nodes.power * drag / (2 * p)
@@ -334,11 +326,10 @@ def waves_of_persson(
 
 
 def waves_of_multiscale(
-    modulus: Modulus,
+    moduli: Moduli,
     wave_nodes: Nodes,
     velocity: Array,
     pressure: Array,
-    table: Tables | None = None,
     local: Local = _LINEAR,
     form: Form = FORM,
 ) -> Waves:
@@ -356,7 +347,7 @@ def waves_of_multiscale(
     log_later = xp.minimum(wave_nodes.log + form.ahead, wave_nodes.log_end)
     later_q = wave_nodes.end * xp.exp(log_later - wave_nodes.log_end)
     on, after, stiffer_later = _averages_at(
-        (wave_nodes.q, after_q, later_q), modulus, speeds, table, local, form.finer
+        (wave_nodes.q, after_q, later_q), moduli, speeds, local, form.finer
     )
 
     # at each velocity, R times 8 p^2
@@ -411,9 +402,8 @@ def waves_of_multiscale(
 
 def _averages_at(
     q: tuple[Any, Any, Any],
-    modulus: Modulus,
+    moduli: Moduli,
     speeds: Array,
-    table: Tables | None,
     local: Local,
     finer: float,
 ) -> tuple[Averages, Averages, Any]:
@@ -422,13 +412,11 @@ def _averages_at(
     Where JAX traces the moduli, those of all three are taken at once, since they are
     most of a program that takes seconds to compile.
     """
-    if table is not None or not is_traced(modulus, speeds, q, local):
-        on, after = (
-            averages_of(modulus, speeds, x, table, local, finer) for x in q[:2]
-        )
-        return on, after, _stiffer(modulus, speeds, q[2], table, local, finer)
+    if isinstance(moduli, Tables) or not is_traced(moduli, speeds, q, local):
+        on, after = (averages_of(moduli, speeds, x, local, finer) for x in q[:2])
+        return on, after, _stiffer(moduli, speeds, q[2], local, finer)
     whole = namespace(*q).concatenate([x.reshape(-1) for x in q])[:, None]
-    averages = averages_of(modulus, speeds, whole, table, local, finer)
+    averages = averages_of(moduli, speeds, whole, local, finer)
     ends = np.cumsum([x.size for x in q])
 
     def part(i: int, values: Array) -> Any:
@@ -508,7 +496,7 @@ WORK = (
 
 
 def friction(
-    model: SurfaceModel,
+    model: WaveByWave,
     foundation: SteadyBody,
     surface: AbstractSpectrum,
     velocity: Array,
@@ -590,7 +578,7 @@ def _local(shared: _RoadShared, points: _RoadPoints) -> Local:
 
 @functools.lru_cache(64)
 def _with_slopes(
-    model: SurfaceModel, rtol: float, counts: tuple[int, ...]
+    model: WaveByWave, rtol: float, counts: tuple[int, ...]
 ) -> Callable[..., SurfaceFriction]:
     """`friction` under a transformation of JAX, of what `_taken_apart` gives: numbers
     from NumPy, derivatives of the same integrals on `counts` cells.
@@ -616,7 +604,7 @@ def _with_slopes(
             shared.surface, _TRACED, bends(shared.surface, local), counts
         )
         modulus = shared.foundation.complex_modulus
-        return _evaluate(modulus, wave_nodes, velocity, pressure, model, None, local)
+        return _evaluate(modulus, wave_nodes, velocity, pressure, model, local)
 
     def like(shared: _RoadShared, points: _RoadPoints) -> tuple[Any, ...]:
         return (points.velocity,) * 5
@@ -626,7 +614,7 @@ def _with_slopes(
 
 
 def table_error(
-    model: SurfaceModel,
+    model: WaveByWave,
     foundation: SteadyBody,
     surface: AbstractSpectrum,
     velocity: Array,

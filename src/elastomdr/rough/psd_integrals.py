@@ -89,6 +89,10 @@ class Tables(NamedTuple):
     cubics: np.ndarray
 
 
+# what averages are taken from: E* itself, where JAX traces it, or tables of them
+Moduli: TypeAlias = "Modulus | Tables"
+
+
 def nodes(
     spectrum: AbstractSpectrum,
     per_decade: int = PER_DECADE,

@@ -244,7 +244,7 @@ def summits(
     """How many summits of the longest waves carry the load, by Persson's theory."""
     wave_nodes = nodes(spectrum, 16)
     by_wave = waves_of_persson(
-        modulus, wave_nodes, velocity, pressure, _ENERGY, None, Local(directed=directed)
+        modulus, wave_nodes, velocity, pressure, _ENERGY, Local(directed=directed)
     )
     variance = integral_to(by_wave.rate, wave_nodes.weight)
     shares = contact(variance, *_ENERGY, by_wave.stiffer)
@@ -276,7 +276,7 @@ def full_contact(
     """Friction in full contact of all waves of a spectrum."""
     wave_nodes = nodes(spectrum, 32)
     local = Local(directed=directed)
-    drag = averages_of(modulus, velocity, wave_nodes.q, None, local).drag
+    drag = averages_of(modulus, velocity, wave_nodes.q, local).drag
     each = np.asarray(wave_nodes.weight * wave_nodes.power * drag)
     return each.sum((-2, -1)) / (2 * pressure)
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..arrays import Array
     from ..element.law import Foundation, TabulatedFoundation
     from ..surface.spectrum import AbstractSpectrum
-    from .psd_integrals import Nodes, Tables
+    from .psd_integrals import Moduli, Nodes
 
 
 class SurfaceFriction(NamedTuple):
@@ -48,6 +48,27 @@ class Waves(NamedTuple):
     area: Array  # of real contact
 
 
+class WaveByWave(ABC):
+    """A model that tells the friction of each wave."""
+
+    @abstractmethod
+    def waves(
+        self,
+        moduli: Moduli,
+        nodes: Nodes,
+        velocity: Array,
+        pressure: Array,
+        local: Local,
+    ) -> Waves:
+        """Friction wave by wave at points (velocity [m/s], pressure [Pa]), flat."""
+
+    @abstractmethod
+    def contact(self, stress_variance: Array, stiffer: Array) -> Array:
+        """The share of contact from R, the integral of `waves(...).rate`, and from
+        `waves(...).stiffer`.
+        """
+
+
 class SurfaceModel(Model, ABC):
     """A model of a surface under a pressure.
 
@@ -58,9 +79,6 @@ class SurfaceModel(Model, ABC):
     # whether `solve` follows the softening of the material from scale to scale; a model
     # that does not is linear, and its results say so
     softens: ClassVar[bool] = False
-    # whether each length scale has a temperature of its own under `em.Heat`, for which
-    # the model needs `waves` and `contact`; otherwise all scales have one
-    heats_by_scale: ClassVar[bool] = False
     # whether `solve` follows `local.directed`, the direction of sliding on a surface
     # with a lay; others refuse a direction
     takes_direction: ClassVar[bool] = False
@@ -131,20 +149,8 @@ class SurfaceModel(Model, ABC):
         """Why `bound` is wide at points, and what would make it smaller, for results."""
         return []
 
-    def waves(
-        self,
-        modulus: Callable[[Array], Array],
-        nodes: Nodes,
-        velocity: Array,
-        pressure: Array,
-        table: Tables | None,
-        local: Local,
-    ) -> Waves:
-        """Friction wave by wave, `elastomdr.rough.multiscale.Waves`."""
-        raise NotImplementedError("`heats_by_scale` promises `waves`")
-
-    def contact(self, stress_variance: Array, stiffer: Array) -> Array:
-        """The share of contact from R, the integral of `waves(...).rate`, and from
-        `waves(...).stiffer`.
+    def by_wave(self) -> WaveByWave | None:
+        """The model as one that answers wave by wave: each length scale then has a
+        temperature of its own under `em.Heat`. None, the default, where all have one.
         """
-        raise NotImplementedError("`heats_by_scale` promises `contact`")
+        return None

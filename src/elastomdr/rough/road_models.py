@@ -17,22 +17,21 @@ from ..models import flag, seeds_of
 from ..units.arguments import constructor_in_si
 from . import multiscale
 from .local_modulus import Local
-from .road_model import MapsOf, SurfaceFriction, SurfaceModel, Waves
+from .road_model import MapsOf, SurfaceFriction, SurfaceModel, WaveByWave, Waves
 
 if TYPE_CHECKING:
     from ..arrays import Array
     from ..element.law import Foundation, TabulatedFoundation
     from ..surface.spectrum import AbstractSpectrum
-    from .psd_integrals import Nodes, Tables
+    from .psd_integrals import Moduli, Nodes
 
 
-class _ClosedIntegrals(SurfaceModel):
+class _ClosedIntegrals(SurfaceModel, WaveByWave):
     """What Multiscale and Persson's theory share: integrals over the waves of a
     surface, each with moduli of its own.
     """
 
     softens: ClassVar[bool] = True
-    heats_by_scale: ClassVar[bool] = True
     takes_direction: ClassVar[bool] = True
 
     @abstractmethod
@@ -87,6 +86,9 @@ class _ClosedIntegrals(SurfaceModel):
             return []
         return multiscale.why_wide(foundation, surface, velocity)
 
+    def by_wave(self) -> WaveByWave:
+        return self
+
     def contact(self, stress_variance: Array, stiffer: Array) -> Array:
         return multiscale.contact(stress_variance, *self.energy_factor(), stiffer)
 
@@ -111,16 +113,13 @@ class Multiscale(_ClosedIntegrals):
 
     def waves(
         self,
-        modulus: Callable[[Array], Array],
+        moduli: Moduli,
         nodes: Nodes,
         velocity: Array,
         pressure: Array,
-        table: Tables | None,
         local: Local,
     ) -> Waves:
-        return multiscale.waves_of_multiscale(
-            modulus, nodes, velocity, pressure, table, local
-        )
+        return multiscale.waves_of_multiscale(moduli, nodes, velocity, pressure, local)
 
 
 @constructor_in_si
@@ -164,15 +163,14 @@ class Persson(_ClosedIntegrals):
 
     def waves(
         self,
-        modulus: Callable[[Array], Array],
+        moduli: Moduli,
         nodes: Nodes,
         velocity: Array,
         pressure: Array,
-        table: Tables | None,
         local: Local,
     ) -> Waves:
         return multiscale.waves_of_persson(
-            modulus, nodes, velocity, pressure, self.energy_factor(), table, local
+            moduli, nodes, velocity, pressure, self.energy_factor(), local
         )
 
 

@@ -46,7 +46,7 @@ from .against_lay import Directed
 from .heat import NO_STATE, Heat, check_heat, why_no_state
 from .local_modulus import Local, SoftenedByScale
 from .problem import RoughCall
-from .road_model import SurfaceFriction, SurfaceModel
+from .road_model import SurfaceFriction, SurfaceModel, WaveByWave
 from .road_models import Multiscale
 
 if TYPE_CHECKING:
@@ -264,8 +264,11 @@ def _solved(
     answer = _Answer(cold, cold, local, None, None, scene.reduced)
     if call.heat is None:
         return answer
-    if model.heats_by_scale:
-        return _heated_by_scale(call, call.heat, surface, model, scene, answer, solved)
+    by_wave = model.by_wave()
+    if by_wave is not None:
+        return _heated_by_scale(
+            call, call.heat, surface, by_wave, scene, answer, solved
+        )
     if call.adhesion is not None:
         raise InputError(
             f"heat with adhesion needs em.Multiscale() or em.Persson(), got {model!r}."
@@ -311,7 +314,7 @@ def _heated_by_scale(
     call: RoughCall,
     heat: Heat,
     surface: AbstractSpectrum,
-    model: SurfaceModel,
+    model: WaveByWave,
     scene: SteadyScene,
     answer: _Answer,
     solved: Callable[..., SurfaceFriction],
@@ -833,7 +836,7 @@ def _plan(
 def _hot(model: SurfaceModel, heat: Heat | None) -> str:
     if heat is None:
         return ""
-    return _HOT_BY_SCALE if model.heats_by_scale else _HOT
+    return _HOT if model.by_wave() is None else _HOT_BY_SCALE
 
 
 def _set_up(
@@ -855,7 +858,7 @@ def _set_up(
         asked.temperature,
         call.branch,
         scene.traced or is_traced(heat),
-        model.heats_by_scale,
+        model.by_wave() is not None,
     )
     # averages over directions look far below a frequency, contact edges beyond q_high
     if not scene.traced:

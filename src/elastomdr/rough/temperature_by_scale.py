@@ -46,8 +46,8 @@ from .against_lay import Which, of_points, to_points
 from .heat import Heat, highest_rise
 from .local_modulus import Local, SoftenedByScale, Warmed, basis, log_stations, place_of
 from .multiscale import bends, table_of
-from .psd_integrals import Nodes, cell_counts, integral_to, nodes
-from .road_model import SurfaceModel, Waves
+from .psd_integrals import Moduli, Nodes, cell_counts, integral_to, nodes
+from .road_model import WaveByWave, Waves
 
 if TYPE_CHECKING:
     from ..call.types import SteadyBody
@@ -146,7 +146,7 @@ class Conduction(NamedTuple):
     line_near: Array  # its integral below pi/q_high (points,)
 
 
-def warmed(problem: Problem, model: SurfaceModel, hot: bool) -> Warm:
+def warmed(problem: Problem, model: WaveByWave, hot: bool) -> Warm:
     """The temperatures that friction makes: of several states that of rubber that was
     cold, or the one of rubber that was `hot`; see the head of this file.
     """
@@ -184,7 +184,7 @@ def warmed(problem: Problem, model: SurfaceModel, hot: bool) -> Warm:
 
 def _on_level(
     problem: Problem,
-    model: SurfaceModel,
+    model: WaveByWave,
     per_decade: int,
     near: Found,
     hot: bool,
@@ -237,7 +237,7 @@ def _at_stations(rise: Array, count: int) -> Any:
     return rise @ basis(rise.shape[1], np.arange(1, count + 1) / count).T
 
 
-def _of_traced(problem: Problem, model: SurfaceModel, hot: bool) -> Warm:
+def _of_traced(problem: Problem, model: WaveByWave, hot: bool) -> Warm:
     """`warmed` under a transformation of JAX: numbers from NumPy, the derivatives of
     temperatures from the equation that they solve on one level of cells.
     """
@@ -300,7 +300,7 @@ def _problem(shared: _HeatShared, points: _HeatPoints) -> Problem:
 
 @functools.lru_cache(64)
 def _with_slopes(
-    model: SurfaceModel, stations: int, finest: int, counts: tuple[int, ...], hot: bool
+    model: WaveByWave, stations: int, finest: int, counts: tuple[int, ...], hot: bool
 ) -> Callable[..., tuple[Any, ...]]:
     """Rises at the finest stations (finest, points), which are those of `warmed`
     whatever its level was, their mean, the heat flux and what the road takes, with
@@ -334,7 +334,7 @@ def _with_slopes(
 
 @functools.lru_cache(64)
 def _rises(
-    model: SurfaceModel, stations: int, counts: tuple[int, ...], hot: bool
+    model: WaveByWave, stations: int, counts: tuple[int, ...], hot: bool
 ) -> Callable[..., Any]:
     """Rises (stations, points) that friction makes at these rises."""
 
@@ -370,21 +370,20 @@ class HeatState(NamedTuple):
 
 
 def _state(
-    problem: Problem, model: SurfaceModel, conduct: Conduction
+    problem: Problem, model: WaveByWave, conduct: Conduction
 ) -> Callable[[Any], HeatState]:
     """The temperatures that friction makes at temperatures (points, stations)."""
-    table = _tables(problem, conduct.wave_nodes, conduct.per_decade)
+    moduli = _moduli(problem, conduct.wave_nodes, conduct.per_decade)
 
     def of(rise: Array) -> HeatState:
         local = problem.local._replace(
             warmed=Warmed(conduct.ends, rise, problem.temperature, problem.body)
         )
         by_wave = model.waves(
-            problem.body.complex_modulus,
+            moduli,
             conduct.wave_nodes,
             problem.reduced,
             problem.reduced_pressure,
-            table,
             local,
         )
         return _heated(problem, model, conduct, by_wave, rise)
@@ -392,10 +391,10 @@ def _state(
     return of
 
 
-def _tables(problem: Problem, wave_nodes: Nodes, per_decade: int) -> Any:
-    """Tables for temperatures up to the highest rise, None where JAX traces."""
+def _moduli(problem: Problem, wave_nodes: Nodes, per_decade: int) -> Moduli:
+    """Tables for temperatures up to the highest rise; where JAX traces E* itself."""
     if is_traced(problem):
-        return None
+        return problem.body.complex_modulus
     hottest = highest_rise(problem.body, problem.temperature)[:, None]
     local = problem.local._replace(
         warmed=Warmed(
@@ -416,7 +415,7 @@ def _adhesive(problem: Problem, area: Array, temperature: Array) -> Any:
 
 
 def _heated(
-    problem: Problem, model: SurfaceModel, c: Conduction, by_wave: Waves, rise: Array
+    problem: Problem, model: WaveByWave, c: Conduction, by_wave: Waves, rise: Array
 ) -> HeatState:
     xp = namespace(by_wave.each, rise, problem.velocity)
     shear = _adhesive(problem, by_wave.area, problem.temperature + rise[:, -1])
@@ -475,7 +474,7 @@ def _heated(
 
 def _conduction(
     problem: Problem,
-    model: SurfaceModel,
+    model: WaveByWave,
     per_decade: int,
     count: int,
     cells: tuple[int, ...] | None = None,
@@ -692,7 +691,7 @@ class Heights(NamedTuple):
 
 def _first(
     problem: Problem,
-    model: SurfaceModel,
+    model: WaveByWave,
     hot: bool,
     per_decade: int = _SCAN,
     stations: int | None = None,
@@ -769,7 +768,7 @@ def _scan(
     shape: Array,
     rounds: int,
     *,
-    model: SurfaceModel,
+    model: WaveByWave,
     per_decade: int,
 ) -> Heights:
     """Friction at heights (steps, points), at the profiles that it makes at them after
