@@ -8,6 +8,8 @@ import pytest
 
 import elastomdr as em
 
+from ..refused import refused
+
 ROLL, WIDE = em.Cylinder(0.08, 0.4), em.Cylinder(0.08, 1.2)
 # Two branches to a decade, so wide that the loss modulus does not depend on frequency:
 # tan(delta) near 3e-4.
@@ -183,11 +185,11 @@ def test_axes_in_any_order():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"carry": FLAT}, "carry must be em.Idlers"),
-        ({"goods": -1.0}, "goods must be zero or positive"),
-        ({"belt": 0.0}, "belt must be positive"),
-        ({"velocity": [1.0, 2.0], "goods": [1.0, 2.0, 3.0]}, "must broadcast"),
-        ({"temperature": 293.15}, "no shift law"),
+        ({"carry": FLAT}, ("carry", "em.Idlers")),
+        ({"goods": -1.0}, ("goods", "positive")),
+        ({"belt": 0.0}, ("belt", "positive")),
+        ({"velocity": [1.0, 2.0], "goods": [1.0, 2.0, 3.0]}, ("", "broadcast")),
+        ({"temperature": 293.15}, ("", "shift law")),
     ],
 )
 def test_refusals(change, words):
@@ -199,22 +201,22 @@ def test_refusals(change, words):
         "belt": 28.0,
         "goods": 0.0,
     } | change
-    with pytest.raises(em.InputError, match=words):
+    with refused(*words):
         em.conveyor(scene.pop("carry"), scene.pop("back"), **scene)
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"cover": RUBBER}, "cover must be a layer"),
-        ({"roll": em.Sphere(0.1)}, r"roll must be an em\.Cylinder"),
-        ({"shares": [0.5, 0.4]}, "sum of the shares must be 1"),
-        ({"shares": [1.5, -0.5]}, "shares must be positive"),
-        ({"shares": 1.0}, "one share for each roll"),
-        ({"spacing": 0.0}, "spacing must be positive"),
+        ({"cover": RUBBER}, ("cover", "layer")),
+        ({"roll": em.Sphere(0.1)}, ("roll", "em.Cylinder")),
+        ({"shares": [0.5, 0.4]}, ("sum of the shares", 1)),
+        ({"shares": [1.5, -0.5]}, ("shares", "positive")),
+        ({"shares": 1.0}, ("shares", "each roll")),
+        ({"spacing": 0.0}, ("spacing", "positive")),
     ],
 )
 def test_bad_idlers(arguments, words):
     given = {"cover": FLAT, "roll": ROLL, "spacing": 1.2} | arguments
-    with pytest.raises(em.InputError, match=words):
+    with refused(*words):
         em.Idlers(given.pop("cover"), given.pop("roll"), **given)

@@ -12,6 +12,8 @@ from scipy.special import lambertw
 
 import elastomdr as em
 
+from ..refused import refused
+
 BETA, COLD, LOAD, HEAT = 0.04, 293.15, 800.0, 200.0  # 1/K, K, N, J/K
 WHEEL = em.Cylinder(0.1, 0.05)
 SHIFT = em.ShiftTable([COLD, COLD + 100], [0.0, -100 * BETA / np.log(10)])
@@ -228,16 +230,16 @@ def test_rubber_too_cold_to_be_known():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"material": em.Foundation(1e9, [1e9], [1e-9])}, "shift law"),
-        ({"hottest": None}, "hottest must be given"),
-        ({"hottest": 280.0}, "ambient must be below hottest"),
-        ({"conductance": 0.0}, "conductance must be positive"),
-        ({"time": [0.0, 1.0]}, "time and capacity belong together"),
-        ({"capacity": 1.0, "time": [1.0, 0.5]}, "ascending"),
-        ({"conductance": [1.0, 2.0]}, "must broadcast"),
+        ({"material": em.Foundation(1e9, [1e9], [1e-9])}, ("material", "shift law")),
+        ({"hottest": None}, ("hottest",)),
+        ({"hottest": 280.0}, ("ambient", "below hottest")),
+        ({"conductance": 0.0}, ("conductance", "positive")),
+        ({"time": [0.0, 1.0]}, ("", "capacity belong together")),
+        ({"capacity": 1.0, "time": [1.0, 0.5]}, ("time", "ascending")),
+        ({"conductance": [1.0, 2.0]}, ("", "broadcast")),
     ],
 )
 def test_refusals(change, words):
     scene = {"material": RUBBER, "conductance": 1.0, **SCENE} | change
-    with pytest.raises(em.InputError, match=words):
+    with refused(*words):
         em.heat_build_up(scene.pop("material"), WHEEL, **scene)

@@ -9,6 +9,8 @@ import pytest
 import elastomdr as em
 from elastomdr.belt.stability import unstable_ranges
 
+from ..refused import refused
+
 MOUNT = em.Mount(2.0, 8e4, 5.0)
 # 1/m, s, N: one wave in full contact, F = HIGH x/(1 + x^2), x = K v TAU
 K, TAU, HIGH = 2e3 * np.pi, 2e-3, 31.4
@@ -205,13 +207,13 @@ def test_gradient():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"mount": 3.0}, "mount must be an em.Mount"),
-        ({"mount": em.Mount(1.0)}, "mount stiffness must be positive"),
-        ({"velocity": [1.0, 2.0], "force": [1.0, 2.0]}, "three values or more"),
-        ({"velocity": SPEED[::-1]}, "velocity must be ascending"),
-        ({"force": 1.0}, "one value for each of the 81"),
-        ({"force": np.full(81, np.inf)}, "force must be finite, or NaN"),
-        ({"wavelength": 0.0}, "wavelength must be positive"),
+        ({"mount": 3.0}, ("mount", "em.Mount")),
+        ({"mount": em.Mount(1.0)}, ("mount stiffness", "positive")),
+        ({"velocity": [1.0, 2.0], "force": [1.0, 2.0]}, ("velocity", "three values")),
+        ({"velocity": SPEED[::-1]}, ("velocity", "ascending")),
+        ({"force": 1.0}, ("force", 81)),
+        ({"force": np.full(81, np.inf)}, ("force", "finite")),
+        ({"wavelength": 0.0}, ("wavelength", "positive")),
     ],
 )
 def test_refusals(change, words):
@@ -221,5 +223,5 @@ def test_refusals(change, words):
         "force": force(SPEED),
         "wavelength": 1e-3,
     } | change
-    with pytest.raises(em.InputError, match=words):
+    with refused(*words):
         em.stability(given.pop("mount"), **given)

@@ -8,6 +8,8 @@ import pytest
 import elastomdr as em
 from elastomdr.errors import InputError
 
+from ..refused import refused
+
 # What is doubted is asserted where a test is about it.
 pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
 
@@ -191,25 +193,28 @@ def test_an_error_from_few_points_widens_intervals_as_students_t():
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"parameters": ("slop",)}, "Did you mean 'slope'"),
-        ({"parameters": "slope"}, "parameters must be names"),
-        ({"parameters": ()}, "parameters must be names"),
-        ({"measured": [0.1, np.nan]}, "measured must be finite"),
-        ({"measured": [0.1], "parameters": ("slope", "time")}, "as many points"),
-        ({"quantity": "wear"}, "quantity must be"),
+        ({"parameters": ("slop",)}, ("parameters", "'slope'")),
+        ({"parameters": "slope"}, ("parameters", "names")),
+        ({"parameters": ()}, ("parameters", "names")),
+        ({"measured": [0.1, np.nan]}, ("measured", "finite")),
+        (
+            {"measured": [0.1], "parameters": ("slope", "time")},
+            ("measured", "many points"),
+        ),
+        ({"quantity": "wear"}, ("quantity",)),
         (
             {"material": em.StandardSolid(1e6, 1e6, 1.0), "parameters": ("c1",)},
-            "need a material with a WLF law",
+            ("", "material"),
         ),
-        ({"material": "rubber"}, "material must be a Prony"),
-        ({"error": -1.0}, "error must be positive"),
-        ({"parameters": ("q_high",)}, "need a surface with a spectrum"),
+        ({"material": "rubber"}, ("material", "Prony")),
+        ({"error": -1.0}, ("error", "positive")),
+        ({"parameters": ("q_high",)}, ("", "spectrum")),
         (
             {
                 "parameters": ("length",),
                 "model": em.Line(equivalent_length="full contact"),
             },
-            "needs a number",
+            ("", "number"),
         ),
     ],
 )
@@ -222,7 +227,7 @@ def test_refusals_of_calibration(changes, said):
         "parameters": ("slope",),
         "load": 1.0,
     } | changes
-    with pytest.raises(InputError, match=said):
+    with refused(*said):
         em.fit.calibrate(arguments.pop("material"), arguments.pop("shape"), **arguments)
 
 
@@ -285,7 +290,7 @@ def test_a_spectrum_ended_elsewhere():
     )
     assert kinked.ended(2e3).q.size == 2
     assert ROAD.raised(2.0).rms_height == pytest.approx(2 * ROAD.rms_height, rel=1e-12)
-    with pytest.raises(InputError, match="q_high must be above q_low"):
+    with refused("q_high", "q_low"):
         ROAD.ended(1e3)
     with pytest.raises(InputError, match="factor must be positive"):
         ROAD.raised(0.0)

@@ -9,6 +9,7 @@ import elastomdr as em
 from elastomdr.cli.main import main
 
 from ..io.test_read_instruments import RUBBER, table
+from ..refused import refused
 
 # What is doubted is asserted where a test is about it.
 pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
@@ -138,9 +139,9 @@ def test_a_ramp_is_convolved(write):
         em.fit.FitWarning, match="points within the ramp of 5 s left out"
     ):
         em.read_dma(path, ramp=5.0)
-    with pytest.raises(em.InputError, match="no point is later than the ramp"):
+    with refused("", "point"):
         em.read_dma(path, ramp=5000.0)
-    with pytest.raises(em.InputError, match="ramp must be left out for creep"):
+    with refused("ramp", "left out"):
         em.read_dma(
             write(table("T [degC],t [s],D(t) [1/Pa]", T, TIME, CREEP)), ramp=ramp
         )
@@ -194,10 +195,7 @@ def test_a_storage_modulus_alone(write):
 def test_different_responses_are_not_joined(write):
     one = em.read_dma(write(table("T [degC],t [s],D(t) [1/Pa]", T, TIME, CREEP)))
     two = em.fit.relaxation(TIME, of("relaxation"), T + 273.15, kind="tensile")
-    with pytest.raises(
-        em.InputError,
-        match="one response over time, got creep compliance and relaxation",
-    ):
+    with refused("parts", "response over time"):
         em.fit.join(one, two)
 
 

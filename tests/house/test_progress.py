@@ -11,6 +11,8 @@ import pytest
 import elastomdr as em
 from elastomdr import progress_bar
 
+from ..refused import refused
+
 
 class Terminal(io.StringIO):
     """A stream that says it is a terminal."""
@@ -68,7 +70,7 @@ def test_nothing_is_shown_where_nobody_looks(capsys):
 
 def test_what_is_done_must_be_a_text():
     with (
-        pytest.raises(em.InputError, match="doing must be a text, got 3"),
+        refused("doing", 3),
         em.progress(3),
     ):
         pass

@@ -7,6 +7,8 @@ import pytest
 
 import elastomdr as em
 
+from ..refused import refused
+
 V, T, MU = (
     np.array([1e-3, 1e-2, 1e-1, 1.0]),
     np.array([278.15, 293.15, 313.15, 333.15]),
@@ -109,44 +111,44 @@ def test_rows_that_are_no_measurement_are_counted_and_named(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("velocity [mm],mu\n1,0.5\n", "'mm', which is none of velocity"),
+        ("velocity [mm],mu\n1,0.5\n", ("", "'mm'", "velocity")),
         (
             "velocity [m/s],temperature [MPa],mu\n1,20,0.5\n",
-            "'MPa', which is none of temperature",
+            ("", "'MPa'", "temperature"),
         ),
-        ("velocity [m/s],mu [N]\n1,0.5\n", "'N', which is none of ratio"),
-        ("velocity [m/s],force\n1,0.5\n", "no column of mu"),
-        ("velocity [m/s],mu,friction\n1,0.5,0.7\n", "both hold mu and differ"),
-        ("1,0.5\n2,0.6\n", "no column of velocity"),
+        ("velocity [m/s],mu [N]\n1,0.5\n", ("", "'N'", "ratio")),
+        ("velocity [m/s],force\n1,0.5\n", ("", "column")),
+        ("velocity [m/s],mu,friction\n1,0.5,0.7\n", ("", "differ")),
+        ("1,0.5\n2,0.6\n", ("", "velocity")),
         (
             "velocity [m/s],mu\n-1,0.5\n-2,0.6\n3,0.5\n",
-            "2 of 3 rows are no measurement",
+            ("", 2, 3),
         ),
-        ("velocity [m/s],mu\n1,50\n2,60\n", "goes from 50 to 60"),
-        ("log v [m/s],mu\n1,0.5\n2,0.6\n", "a logarithm without a base"),
-        ("v [mm/s],mu [%],std [%]\n1,50,2\n2,60,2\n", "percent of mu or of 1"),
-        ("nothing\n", "no row of numbers"),
+        ("velocity [m/s],mu\n1,50\n2,60\n", ("", 50, 60)),
+        ("log v [m/s],mu\n1,0.5\n2,0.6\n", ("", "logarithm without")),
+        ("v [mm/s],mu [%],std [%]\n1,50,2\n2,60,2\n", ("", 1, "percent")),
+        ("nothing\n", ("", "numbers")),
     ],
 )
 def test_bad_files(tmp_path, text, words):
-    with pytest.raises(em.InputError, match=words):
+    with refused(*words):
         em.read_friction(write(tmp_path, text))
 
 
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"velocity_unit": "mph per K"}, "velocity_unit must be"),
-        ({"temperature_unit": "MPa"}, "temperature_unit must be"),
-        ({"temperature": 300.0}, "temperature must be left out"),
-        ({"columns": {"speed": 1}}, "columns must name"),
-        ({"columns": {"mu": "COF"}}, "has no column 'COF' for mu; it has 1: velocity"),
-        ({"columns": ["mu"]}, "columns must be a dict"),
+        ({"velocity_unit": "mph per K"}, ("velocity_unit",)),
+        ({"temperature_unit": "MPa"}, ("temperature_unit",)),
+        ({"temperature": 300.0}, ("temperature", "left out")),
+        ({"columns": {"speed": 1}}, ("columns", "name")),
+        ({"columns": {"mu": "COF"}}, ("columns", "'COF'", 1)),
+        ({"columns": ["mu"]}, ("columns", "dict")),
     ],
 )
 def test_bad_arguments(tmp_path, given, words):
     file = write(tmp_path, "velocity [m/s],temperature [K],mu\n1,300,0.5\n2,300,0.5\n")
-    with pytest.raises(em.InputError, match=words):
+    with refused(*words):
         em.read_friction(file, **given)
     with pytest.raises(em.InputError, match="can be read"):
         em.read_friction(tmp_path / "none.csv")

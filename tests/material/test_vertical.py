@@ -10,6 +10,8 @@ import pytest
 
 import elastomdr as em
 
+from ..refused import refused
+
 WLF = em.WLF(8.0, 90.0, 293.15)
 TABLE = em.VerticalTable([233.0, 263.0, 293.15, 333.0], [0.85, 0.9, 1.0, 1.2])
 SERIES = 1e6, [4e6, 2e6, 1e6], [1e-5, 1e-3, 0.1]
@@ -45,34 +47,34 @@ def test_entropic_and_table():
 @pytest.mark.parametrize(
     ("make", "says"),
     [
-        (lambda: em.EntropicVertical(-3.0), "reference must be in kelvin"),
-        (lambda: em.VerticalTable([293.0], [1.0]), "2 entries at least"),
+        (lambda: em.EntropicVertical(-3.0), ("reference", "kelvin")),
+        (lambda: em.VerticalTable([293.0], [1.0]), ("", 2, "entries")),
         (
             lambda: em.VerticalTable([293.0, 280.0], [1.0, 1.1]),
-            "temperature must be ascending",
+            ("temperature", "ascending"),
         ),
         (
             lambda: em.VerticalTable([273.0, 293.0], [1.0, 0.0]),
-            "factor must be positive",
+            ("factor", "positive"),
         ),
-        (lambda: TABLE.b(340.0), "within the table of vertical shifts, 233 K to 333 K"),
+        (lambda: TABLE.b(340.0), ("temperature", 233, 333)),
         (
             lambda: em.Prony(*SERIES, vertical=1.1),
-            "vertical must be an EntropicVertical or a VerticalTable",
+            ("vertical", "EntropicVertical"),
         ),
         (
             lambda: em.TabulatedModulus([1, 2, 3], [1, 2, 3], [1, 1, 1], vertical=WLF),
-            "vertical must be an Entropic",
+            ("vertical", "Entropic"),
         ),
         (
             lambda: em.half_space(RUBBER, em.Prony(*SERIES, shift=WLF)),
-            "and the same vertical one",
+            ("other", "same vertical"),
         ),
-        (lambda: em.Prony(*SERIES).at(300.0), "has no shift law"),
+        (lambda: em.Prony(*SERIES).at(300.0), ("", "shift law")),
     ],
 )
 def test_what_has_no_meaning_is_refused(make, says):
-    with pytest.raises(em.InputError, match=says):
+    with refused(*says):
         make()
 
 
@@ -341,9 +343,7 @@ def test_file_round_trip(tmp_path, law):
         .replace('law = "table"', 'law = "tables"')
         .replace('"entropic"', '"entropik"')
     )
-    with pytest.raises(
-        em.InputError, match=r"law in \[vertical\] must be one of entropic, table"
-    ):
+    with refused("", "entropic"):
         em.load_material(path)
 
 

@@ -10,6 +10,8 @@ import elastomdr as em
 from elastomdr.reference import half_plane_sliding, half_space, half_space_sliding
 from elastomdr.rough import half_space as solver
 
+from ..refused import refused
+
 STIFF = em.Foundation(4e6, [36e6], [1e-3])
 BALL, LOAD = em.Paraboloid(0.01), 10.0
 
@@ -283,9 +285,7 @@ def test_rough_map():
     assert not np.allclose(
         height, em.reference.rough_map(surface, 2, periods=4, points=128)[0]
     )
-    with pytest.raises(
-        em.InputError, match="points must be a multiple of 4, at least 128"
-    ):
+    with refused("points", 4, 128):
         em.reference.rough_map(surface, periods=4, points=64)
 
 
@@ -411,67 +411,67 @@ def test_what_is_not_resolved_is_flagged(monkeypatch):
             lambda: half_space_sliding(
                 STIFF, em.FlatPunch(1.0), velocity=1.0, load=1.0
             ),
-            "shape must be an axisym",
+            ("shape", "axisym"),
         ),
         (
             lambda: half_space_sliding(STIFF, BALL, velocity=1.0),
-            "load or depth must be given.*neither",
+            ("", "neither"),
         ),
         (
             lambda: half_space_sliding(STIFF, BALL, velocity=1.0, load=1.0, points=33),
-            "points must be an even",
+            ("points", "even"),
         ),
         (
             lambda: half_space_sliding(STIFF, BALL, velocity=-1.0, load=1.0),
-            "velocity must be positive",
+            ("velocity", "positive"),
         ),
         (
             lambda: half_space_sliding(
                 STIFF, BALL, velocity=[1.0, 2.0], load=[1.0, 2.0, 3.0]
             ),
-            "must broadcast",
+            ("", "broadcast"),
         ),
         (
             lambda: half_space_sliding(
                 STIFF, BALL, velocity=1.0, load=1.0, temperature=300.0
             ),
-            "no shift law",
+            ("", "shift law"),
         ),
         (
             lambda: half_space_sliding(
                 em.Maxwell(1e6, 1.0), BALL, velocity=1.0, load=1.0
             ),
-            "must be a solid",
+            ("material", "solid"),
         ),
         (
             lambda: half_space_sliding(STIFF, BALL, velocity=1.0, depth=1e-4, cell=0.1),
-            "depth has no meaning",
+            ("", "meaning"),
         ),
         (
             lambda: half_space_sliding(
                 STIFF, BALL, velocity=1.0, load=1.0, cell=[1.0] * 3
             ),
-            "cell must be the sides",
+            ("cell", "sides"),
         ),
         (
             lambda: half_space_sliding(
                 STIFF, em.Sphere(0.01), velocity=1.0, load=1.0, cell=0.1
             ),
-            "cell must lie within",
+            ("cell", "lie within"),
         ),
         (
             lambda: half_space_sliding(
                 STIFF, np.ones((6, 8)), velocity=1.0, load=1.0, cell=0.1
             ),
-            "shape must be a body",
+            ("shape", "body"),
         ),
         (
             lambda: half_plane_sliding(STIFF, -1.0, velocity=1.0, load_per_length=1.0),
-            "radius must be positive",
+            ("radius", "positive"),
         ),
         (
             lambda: half_plane_sliding(STIFF, 1.0, velocity=1.0, load_per_length=0.0),
-            "load_per_length must be positive",
+            ("load_per_length", "positive"),
         ),
         (
             lambda: half_plane_sliding(
@@ -480,10 +480,10 @@ def test_what_is_not_resolved_is_flagged(monkeypatch):
                 velocity=1.0,
                 load_per_length=1,
             ),
-            "must be a half-space",
+            ("material", "half-space"),
         ),
     ],
 )
 def test_refusals(call, said):
-    with pytest.raises(em.InputError, match=said):
+    with refused(*said):
         call()

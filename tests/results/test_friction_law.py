@@ -12,6 +12,8 @@ from scipy.optimize import brentq
 
 import elastomdr as em
 
+from ..refused import refused
+
 V, T, P = (
     np.geomspace(1e-3, 30, 7),
     np.array([263.15, 283.15, 313.15]),
@@ -73,15 +75,12 @@ def test_points_beyond_the_range_of_the_rubber_stay_marked(tmp_path):
     assert "2 of 4 points lie beyond the range of the material" in braked.summary()
     assert LAW.extrapolated is None
     wrong = em.Doubt("extrapolated", np.array([True]))
-    with pytest.raises(em.InputError, match="points of the shape of mu"):
+    with refused("doubts", "points"):
         em.FrictionLaw([1.0, 2.0], [0.1, 0.2], doubts=[wrong])
 
 
 def test_outside_is_refused_and_nan_where_it_cannot_be_seen():
-    with pytest.raises(
-        em.InputError,
-        match=r"velocity must be within the friction law, 0\.001 to 30 m/s, got 31",
-    ):
+    with refused("velocity", 0.001, 30, "m/s", 31):
         LAW(31.0, 290.0, 2e5)
     with jax.enable_x64(True):
         assert np.isnan(jax.jit(lambda v: LAW(v, 290.0, 2e5))(31.0))
@@ -283,9 +282,7 @@ class TestShiftLaws:
             em.StandardSolid(1e6, 9e6, 1e-3, shift=em.WLF(5.0, 100.0, 293.15)),
             tangential=True,
         )
-        with pytest.raises(
-            em.InputError, match="tangential must have the same shift law"
-        ):
+        with refused("tangential", "same shift law"):
             em.traction(
                 self.TREAD, BALL, **self.WHEEL, temperature=303.15, tangential=other
             )
@@ -294,28 +291,28 @@ class TestShiftLaws:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: em.FrictionLaw([1.0, 0.5], [0.1, 0.2]), "velocity must be ascending"),
-        (lambda: em.FrictionLaw([1.0, 2.0], [0.1, 0.2, 0.3]), "mu must have the shape"),
+        (lambda: em.FrictionLaw([1.0, 0.5], [0.1, 0.2]), ("velocity", "ascending")),
+        (lambda: em.FrictionLaw([1.0, 2.0], [0.1, 0.2, 0.3]), ("mu", "shape")),
         (
             lambda: em.FrictionLaw([1.0, 2.0], [0.1, -0.2]),
-            "mu must be zero or positive",
+            ("mu", "positive"),
         ),
         (
             lambda: em.FrictionLaw([1.0, 2.0], [0.1, np.inf]),
-            "mu must be zero or positive",
+            ("mu", "positive"),
         ),
-        (lambda: LAW(1.0, 290.0), "pressure must be given"),
+        (lambda: LAW(1.0, 290.0), ("pressure",)),
         (
             lambda: em.FrictionLaw([1.0], [0.1])(1.0, temperature=290.0),
-            "temperature must be left out",
+            ("temperature", "left out"),
         ),
-        (lambda: LAW([1.0, 2.0], [290.0, 291.0, 292.0], 2e5), "must broadcast"),
-        (lambda: em.load_friction("no such file"), "must be a text file"),
+        (lambda: LAW([1.0, 2.0], [290.0, 291.0, 292.0], 2e5), ("", "broadcast")),
+        (lambda: em.load_friction("no such file"), ("path", "text file")),
         (
             lambda: em.springs(
                 em.Prony(1e6, [], []), 1e-3, bonded=False, tangential=True
             ),
-            "bonded must be True",
+            ("bonded", "True"),
         ),
         (
             lambda: em.traction(
@@ -327,7 +324,7 @@ class TestShiftLaws:
                 load=LOAD,
                 tangential=TANGENTIAL,
             ),
-            "temperature must be given",
+            ("temperature",),
         ),
         (
             lambda: em.traction(
@@ -339,10 +336,10 @@ class TestShiftLaws:
                 load=1.0,
                 temperature=300.0,
             ),
-            "temperature must be left out",
+            ("temperature", "left out"),
         ),
     ],
 )
 def test_bad_input(call, message):
-    with pytest.raises(em.InputError, match=message):
+    with refused(*message):
         call()

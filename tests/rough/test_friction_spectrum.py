@@ -8,6 +8,8 @@ import pytest
 import elastomdr as em
 from elastomdr.results.spectrum import FrictionSpectrum
 
+from ..refused import refused
+
 RUBBER = em.Foundation(1e6, [2e7, 5e6], [1e-5, 1e-3])
 WAVES = np.array([1000.0, 5000.0, 30000.0])  # k [rad/m]
 HEIGHTS = np.array([2e-5, 8e-6, 2e-6])  # A [m]
@@ -148,17 +150,17 @@ def test_failed_points_are_nan(monkeypatch):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"surface": em.Sphere(1e-3)}, "surface must be an em.RoughLine"),
-        ({"per_decade": 0}, "per_decade must be a whole number"),
-        ({"pressure": None}, "pressure, load .* must be given"),
-        ({"temperature": 290.0}, "has no shift law"),
-        ({"velocity": -1.0}, "velocity must be positive"),
-        ({"velocity": [1.0, 2.0], "pressure": [1.0, 2.0, 3.0]}, "must broadcast"),
-        ({"model": em.Averaged()}, "model must be em.Line"),
+        ({"surface": em.Sphere(1e-3)}, ("surface", "em.RoughLine")),
+        ({"per_decade": 0}, ("per_decade", "whole number")),
+        ({"pressure": None}, ("", "pressure")),
+        ({"temperature": 290.0}, ("", "shift law")),
+        ({"velocity": -1.0}, ("velocity", "positive")),
+        ({"velocity": [1.0, 2.0], "pressure": [1.0, 2.0, 3.0]}, ("", "broadcast")),
+        ({"model": em.Averaged()}, ("model", "em.Line")),
     ],
 )
 def test_bad_input(changes, message):
-    with pytest.raises(em.InputError, match=message):
+    with refused(*message):
         em.friction_spectrum(
             RUBBER, **{"surface": ROAD, "velocity": 1.0, "pressure": 1e5, **changes}
         )

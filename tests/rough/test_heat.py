@@ -14,6 +14,8 @@ from elastomdr.material.shift import thermal_factors
 from elastomdr.rough.flash import rise, scales
 from elastomdr.rough.heat import HIGHEST, highest_rise
 
+from ..refused import refused
+
 # of the width of the spectrum
 pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")
 RUBBER = em.Heat(0.2, 2e6)  # D = 1e-7 m^2/s
@@ -284,25 +286,25 @@ def test_branches_of_one_flash_temperature():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"heat": 0.2}, "heat must be an em.Heat"),
-        ({"temperature": None}, "heat needs a temperature"),
-        ({"pressure": None, "load": 3.0}, "heat needs a surface"),
+        ({"heat": 0.2}, ("heat", "em.Heat")),
+        ({"temperature": None}, ("", "temperature")),
+        ({"pressure": None, "load": 3.0}, ("", "heat needs")),
         (
             {"shape": em.Sphere(1e-3), "pressure": None, "load": 3.0},
-            "heat belongs to a rough surface",
+            ("", "rough surface"),
         ),
     ],
 )
 def test_bad_input(change, message):
     asked = {"shape": SURFACE, "heat": RUBBER} | ASKED | change
-    with pytest.raises(em.InputError, match=message):
+    with refused(*message):
         em.friction(COMPOUND, asked.pop("shape"), **asked)
 
 
 def test_bad_heat():
     with pytest.raises(em.InputError, match="conductivity must be positive"):
         em.Heat(-0.2, 2e6)
-    with pytest.raises(em.InputError, match="heat_capacity must be a single number"):
+    with refused("heat_capacity", "single number"):
         em.Heat(0.2, [2e6, 1.0])
     with pytest.raises(em.InputError, match="velocity must be positive"):
         RUBBER.moving_band(1e5, 1e-3, 0.0, 0.0)

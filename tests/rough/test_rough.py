@@ -11,6 +11,8 @@ import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.surface.spectrum import synthesise
 
+from ..refused import refused
+
 RUBBER = em.Foundation(1e6, [2e7, 5e6], [1e-5, 1e-3])
 WAVES = np.array([1000.0, 5000.0, 30000.0])  # k [rad/m]
 HEIGHTS = np.array([2e-5, 8e-6, 2e-6])  # A [m]
@@ -294,26 +296,26 @@ def test_random_scenes_converge_or_say_so():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"pressure": None}, "pressure, load"),
-        ({"load": 3.0}, "only one of them"),
-        ({"pressure": -1.0}, "pressure must be positive"),
-        ({"temperature": 300.0}, "no shift law"),
-        ({"model": "lines"}, "model must be .* Did you mean 'line'"),
-        ({"model": "averaged"}, "use em.Line.average=True"),
-        ({"model": em.Line(samples=3)}, "samples must be"),
+        ({"pressure": None}, ("", "pressure")),
+        ({"load": 3.0}, ("", "only")),
+        ({"pressure": -1.0}, ("pressure", "positive")),
+        ({"temperature": 300.0}, ("", "shift law")),
+        ({"model": "lines"}, ("model", "'line'")),
+        ({"model": "averaged"}, ("model", "use")),
+        ({"model": em.Line(samples=3)}, ("samples",)),
         (
             {"model": em.Persson(), "pressure": None, "load": 1.0},
-            "model must be em.Line.. for a surface without",
+            ("model", "em.Line"),
         ),
         (
             {"model": em.Multiscale(), "shape": rough()},
-            "model must be em.Line.. for an em.RoughLine",
+            ("model", "em.Line", "em.RoughLine"),
         ),
         (
             {"material": em.Foundation.maxwell(1e6, 1.0), "model": em.Line()},
-            "equilibrium modulus",
+            ("material", "equilibrium modulus"),
         ),
-        ({"shape": rough()}, "equivalent_length"),
+        ({"shape": rough()}, ("", "equivalent_length")),
     ],
 )
 def test_bad_input(change, message):
@@ -324,7 +326,7 @@ def test_bad_input(change, message):
         "pressure": 1e5,
         "model": em.Line(),
     } | change
-    with pytest.raises(em.InputError, match=message):
+    with refused(*message):
         em.friction(asked.pop("material"), asked.pop("shape"), **asked)
 
 

@@ -11,6 +11,8 @@ import pytest
 import elastomdr as em
 from elastomdr.cli.main import main
 
+from ..refused import refused
+
 UNIT = pint.UnitRegistry()
 RUBBER = em.Prony(1e6, [3e6, 2e6], [1e-4, 1e-2])
 ROUGH = em.SelfAffine(0.8, rms_height=2e-6, q_low=1e5, q_high=1.6e6)
@@ -62,9 +64,9 @@ def stroke(**change):
 @pytest.mark.parametrize("call", [leak, film, stroke])
 def test_kinematic_viscosity(call):
     """46 cSt of an oil of 870 kg/m^3 are 40 mPa s."""
-    with pytest.raises(em.InputError, match=r"viscosity must be .* times the density"):
+    with refused("viscosity", "density"):
         call(viscosity=46 * UNIT.cSt)
-    with pytest.raises(em.InputError, match=r"viscosity must be .* times the density"):
+    with refused("viscosity", "density"):
         leak(viscosity=46 * UNIT.cSt, density=870 * UNIT.kg / UNIT.m**3)
     oil = 46 * UNIT.cSt * (870 * UNIT.kg / UNIT.m**3)
     assert call(viscosity=oil) == pytest.approx(call(viscosity=46e-6 * 870), rel=1e-12)
@@ -104,7 +106,7 @@ def test_gauge_and_absolute_pressures_of_a_liquid_differ_alike():
     """
     inlet, outlet = (UNIT.Quantity(bar, "bar") for bar in (3.0, 1.0))
     assert leak(pressure_drop=inlet - outlet) == pytest.approx(leak(pressure_drop=2e5))
-    with pytest.raises(em.InputError, match="pressure_drop must be below pressure"):
+    with refused("pressure_drop", "below pressure"):
         leak(pressure_drop=inlet)
 
 
@@ -112,9 +114,7 @@ def test_pressure_drop_above_the_contact_pressure():
     """An O-ring is pressed by its squeeze and by its fluid."""
     drop = 4e6
     ring = em.o_ring(RUBBER, 3e-3, 0.15)
-    with pytest.raises(
-        em.InputError, match="that of the squeeze and that of the fluid"
-    ):
+    with refused("pressure_drop", "squeeze"):
         leak(pressure=ring.pressure, pressure_drop=drop)
     advised = leak(pressure=ring.pressure + drop, pressure_drop=drop)
     whole = em.o_ring(RUBBER, 3e-3, 0.15, fluid_pressure=drop).sealing_pressure
@@ -167,7 +167,7 @@ def test_squeeze_above_what_formulas_hold_for():
 
 def test_a_layer_under_roughness_is_refused_and_its_rubber_accepted():
     asked = {"pressure": 1e5, "pressure_drop": 1e3, "viscosity": 0.05, "length": 1e-3}
-    with pytest.raises(em.InputError, match=r"em\.layer: give its rubber alone"):
+    with refused("material", "em.layer"):
         em.leak(em.layer(RUBBER, 1e-3), ROUGH, **asked)
     assert em.leak(RUBBER, ROUGH, **asked).rate > 0
     with pytest.raises(em.InputError, match="in kg/mol, at most 1"):

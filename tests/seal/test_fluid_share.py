@@ -14,6 +14,8 @@ from scipy.optimize import brentq
 import elastomdr as em
 from elastomdr.cli.kinds import read_scene
 
+from ..refused import refused
+
 RUBBER = em.Prony(2.5e6, [], [])  # E* 10 MPa
 TURNED = em.SelfAffine(
     0.8, rms_height=1e-6, q_low=2 * np.pi / 100e-6, q_high=2 * np.pi / 2e-6
@@ -334,29 +336,29 @@ RING = em.o_ring(RUBBER, 3e-3, 0.05)
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"pressure": 1e5, "profile": PROFILE}, "pressure, profile or o_ring"),
-        ({}, "pressure, profile or o_ring"),
-        ({"pressure": 1e5}, "length must be given"),
-        ({"profile": PROFILE, "length": 1e-3}, "length must be left out"),
-        ({"o_ring": RING, "length": 1e-3}, "length must be left out"),
-        ({"profile": ([0.0, LENGTH], [-1e5, 3e5])}, "profile must be zero or positive"),
-        ({"profile": ([0.0, LENGTH], [5e4, 9e4])}, "the seal opens"),
-        ({"profile": ([0.0], [5e5])}, "profile must have 2 positions or more"),
-        ({"o_ring": 1e5}, "o_ring must be a result of em.o_ring"),
-        ({"o_ring": em.o_ring(em.Prony(1e6, [], []), 3e-3, 0.05)}, "rubber of the O-ring"),
-        ({"profile": PROFILE, "viscosity": None}, "viscosity or kinematic_viscosity"),
+        ({"pressure": 1e5, "profile": PROFILE}, ("", 'o_ring', 'pressure')),
+        ({}, ("", 'o_ring', 'pressure')),
+        ({"pressure": 1e5}, ("length",)),
+        ({"profile": PROFILE, "length": 1e-3}, ("length", 'left out')),
+        ({"o_ring": RING, "length": 1e-3}, ("length", 'left out')),
+        ({"profile": ([0.0, LENGTH], [-1e5, 3e5])}, ("profile", 'positive')),
+        ({"profile": ([0.0, LENGTH], [5e4, 9e4])}, ("pressure_drop", 'seal opens')),
+        ({"profile": ([0.0], [5e5])}, ("profile", 2)),
+        ({"o_ring": 1e5}, ("o_ring", 'em.o_ring')),
+        ({"o_ring": em.o_ring(em.Prony(1e6, [], []), 3e-3, 0.05)}, ("material", 'rubber')),
+        ({"profile": PROFILE, "viscosity": None}, ("", 'kinematic_viscosity', 'viscosity')),
         (
             {"profile": PROFILE, "viscosity": None, "kinematic_viscosity": 1e-6},
-            "kinematic_viscosity .* needs the density",
+            ("", 'kinematic_viscosity', 'density'),
         ),
     ],
 )  # fmt: skip
 def test_bad_input(change, words):
-    with pytest.raises(em.InputError, match=words):
+    with refused(*words):
         em.leak(RUBBER, TURNED, **SEAL | {"pressure_drop": 1e5} | change)
     viscous = em.StandardSolid(2.5e6, 1e6, 1.0)
     ring = em.o_ring(viscous, 3e-3, 0.05, time=10.0)
-    with pytest.raises(em.InputError, match="time must be that of the O-ring"):
+    with refused("time", "O-ring"):
         em.leak(viscous, TURNED, o_ring=ring, time=1.0, pressure_drop=1e4, **SEAL)
 
 

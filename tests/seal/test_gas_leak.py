@@ -14,6 +14,8 @@ from elastomdr.cli.kinds import read_scene
 from elastomdr.seal.gap_maps import flow, pressed
 from elastomdr.surface.spectrum import rough_map
 
+from ..refused import refused
+
 RUBBER = em.StandardSolid(1e6, 3e6, 2.0, shift=em.WLF(8.86, 101.6, 293.15))  # in shear
 ROUGH = em.SelfAffine(0.8, rms_slope=0.6, q_low=1e5, q_high=1.6e6)
 SCENE = {
@@ -180,20 +182,20 @@ def test_derivative():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"outlet_pressure": 0.0}, "outlet_pressure must be an absolute pressure"),
-        ({"outlet_pressure": -1e5}, "outlet_pressure must be an absolute pressure"),
-        ({"outlet_pressure": None}, "molar_mass belongs to a gas"),
-        ({"molar_mass": None}, "either molar_mass .* got neither"),
-        ({"mean_free_path": 7e-8}, "either molar_mass .* got both"),
-        ({"mean_free_path": -7e-8, "molar_mass": None}, "mean_free_path must be zero"),
-        ({"molar_mass": -0.03}, "molar_mass must be positive"),
-        ({"temperature": None}, r"temperature \[K\] must be given with molar_mass"),
-        ({"density": 1.2}, "density must be left out with molar_mass"),
-        ({"pressure_drop": 4e5}, "the seal opens"),
+        ({"outlet_pressure": 0.0}, ("outlet_pressure", "absolute pressure")),
+        ({"outlet_pressure": -1e5}, ("outlet_pressure", "absolute pressure")),
+        ({"outlet_pressure": None}, ("", "molar_mass", "belongs")),
+        ({"molar_mass": None}, ("", "molar_mass", "neither")),
+        ({"mean_free_path": 7e-8}, ("", "molar_mass", "either")),
+        ({"mean_free_path": -7e-8, "molar_mass": None}, ("mean_free_path", "zero")),
+        ({"molar_mass": -0.03}, ("molar_mass", "positive")),
+        ({"temperature": None}, ("", "molar_mass", "temperature")),
+        ({"density": 1.2}, ("density", "molar_mass")),
+        ({"pressure_drop": 4e5}, ("pressure_drop", "seal opens")),
     ],
 )
 def test_bad_input(change, words):
-    with pytest.raises(em.InputError, match=words):
+    with refused(*words):
         em.leak(RUBBER, ROUGH, **SCENE | AIR | change)
 
 

@@ -15,6 +15,8 @@ from elastomdr.seal import film, lubricated
 from elastomdr.seal.response import bodies_of, response
 from elastomdr.seal.roughness import pressed
 
+from ..refused import refused
+
 RUBBER = em.Prony(1e6, [3e6, 2e6], [1e-4, 1e-2], name="rubber")
 BODIES = bodies_of(em.Prony(0.25, [], []))  # E* = 1 Pa
 BODY = em.Cylinder(5e-3, 1.0)
@@ -246,22 +248,22 @@ def test_narrow_channels_carry_a_thicker_film():
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"shape": em.Sphere(1e-2)}, "shape"),
+        ({"shape": em.Sphere(1e-2)}, ("shape",)),
         (
             {"surface": ROUGH, "flow_factor": "reynolds"},
-            "flow_factor must be .maps. or .patir-cheng.",
+            ("flow_factor", "patir-cheng"),
         ),
-        ({"rubber": "slides"}, "rubber"),
-        ({"boundary_shear": 1e5}, "surface"),
-        ({"viscosity": -1.0}, "viscosity"),
-        ({"rubber": "rolls", "time": 1.0}, "time"),
-        ({"material": em.Maxwell(1e6, 1.0)}, "material"),
+        ({"rubber": "slides"}, ("rubber",)),
+        ({"boundary_shear": 1e5}, ("", "surface")),
+        ({"viscosity": -1.0}, ("viscosity",)),
+        ({"rubber": "rolls", "time": 1.0}, ("time",)),
+        ({"material": em.Maxwell(1e6, 1.0)}, ("material",)),
     ],
 )
 def test_what_is_refused(change, named):
     given = {"velocity": 0.1, "load": 1e3, "viscosity": 0.1} | change
     material, shape = given.pop("material", RUBBER), given.pop("shape", BODY)
-    with pytest.raises(em.InputError, match=named):
+    with refused(*named):
         em.lubricated(material, shape, **given)
 
 
@@ -415,16 +417,19 @@ def test_both_strokes_are_warned_of_at_once():
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"material": em.Prony(1.1e6, [3e6], [1e-4])}, "material must be the rubber"),
-        ({"material": [RUBBER, RUBBER]}, "material must be one rubber"),
-        ({"material": None}, "material must be the rubber of the O-ring, got None"),
-        ({"o_ring": None, "profile": (X, STEEP), "material": [RUBBER]}, "one rubber"),
-        ({"o_ring": em.o_ring(RUBBER, 5e-3, [0.1, 0.2])}, "o_ring must be a single"),
+        ({"material": em.Prony(1.1e6, [3e6], [1e-4])}, ("material", "rubber")),
+        ({"material": [RUBBER, RUBBER]}, ("material", "rubber")),
+        ({"material": None}, ("material", "rubber")),
+        (
+            {"o_ring": None, "profile": (X, STEEP), "material": [RUBBER]},
+            ("material", "rubber"),
+        ),
+        ({"o_ring": em.o_ring(RUBBER, 5e-3, [0.1, 0.2])}, ("o_ring", "single")),
     ],
 )
 def test_what_strokes_refuse(change, named):
     given = {"material": RUBBER, "o_ring": RING} | STROKES | change
-    with pytest.raises(em.InputError, match=named):
+    with refused(*named):
         em.reciprocating(**given)
 
 

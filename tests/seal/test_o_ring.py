@@ -12,6 +12,8 @@ from scipy.special import lambertw
 
 import elastomdr as em
 
+from ..refused import refused
+
 RUBBER = em.StandardSolid(1e6, 3e6, 2.0, shift=em.WLF(8.86, 101.6, 293.15))  # in shear
 SQUEEZE = np.array([0.02, 0.08, 0.2])
 
@@ -114,9 +116,7 @@ def test_table_summary_and_figure(tmp_path):
     np.testing.assert_allclose(
         squeezed.plot(show="width").get_lines()[0].get_xdata(), 100 * SQUEEZE
     )
-    with pytest.raises(
-        em.InputError, match="show must be one of pressure, width, line_load"
-    ):
+    with refused("show", "line_load"):
         squeezed.plot(show="presure")
 
 
@@ -137,36 +137,39 @@ def test_derivatives(formula):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"squeeze": 0.3}, "squeeze must be positive and at most 0.25"),
-        ({"squeeze": 0.31, "formula": "held"}, "at most 0.3, a part"),
-        ({"fluid_pressure": -1.0}, "fluid_pressure must be zero or positive"),
-        ({"groove_width": 3e-3}, "wider than the squeezed cord"),
+        ({"squeeze": 0.3}, ("squeeze", 0.25)),
+        ({"squeeze": 0.31, "formula": "held"}, ("squeeze", 0.3)),
+        ({"fluid_pressure": -1.0}, ("fluid_pressure", "positive")),
+        ({"groove_width": 3e-3}, ("groove_width", "squeezed cord")),
         (
             {"squeeze": [0.1, 0.2], "groove_width": [5e-3, 5e-3, 5e-3]},
-            "must broadcast, got .* groove_width of shape",
+            ("", "groove_width", "broadcast"),
         ),
-        ({"squeeze": 0.0}, "squeeze must be positive"),
-        ({"diameter": -1.0}, "diameter must be positive"),
-        ({"time": -1.0}, "time must be zero or positive"),
-        ({"formula": "green"}, "formula must be"),
+        ({"squeeze": 0.0}, ("squeeze", "positive")),
+        ({"diameter": -1.0}, ("diameter", "positive")),
+        ({"time": -1.0}, ("time", "positive")),
+        ({"formula": "green"}, ("formula",)),
         (
             {"material": em.springs(em.Prony(1e6, [], [], poisson=0.45), 1e-3)},
-            "not a foundation",
+            ("material", "foundation"),
         ),
         (
             {"material": em.half_space(RUBBER, RUBBER)},
-            "not a foundation: the load depends on Young's modulus",
+            ("material", "Young's"),
         ),
-        ({"material": em.half_space(RUBBER, tangential=True)}, "not a foundation"),
-        ({"material": em.Maxwell(1e6, 1.0)}, "it relaxes completely"),
-        ({"material": em.Prony(1e6, [], []), "temperature": 300.0}, "no shift law"),
-        ({"squeeze": [0.1, 0.2], "diameter": [1e-3] * 3}, "must broadcast"),
-        ({"time": [1.0, 2.0], "temperature": [300.0] * 3}, "must broadcast"),
+        (
+            {"material": em.half_space(RUBBER, tangential=True)},
+            ("material", "foundation"),
+        ),
+        ({"material": em.Maxwell(1e6, 1.0)}, ("time", "relaxes completely")),
+        ({"material": em.Prony(1e6, [], []), "temperature": 300.0}, ("", "shift law")),
+        ({"squeeze": [0.1, 0.2], "diameter": [1e-3] * 3}, ("", "broadcast")),
+        ({"time": [1.0, 2.0], "temperature": [300.0] * 3}, ("", "broadcast")),
     ],
 )
 def test_bad_input(change, words):
     given = {"material": RUBBER, "diameter": 3e-3, "squeeze": 0.1} | change
-    with pytest.raises(em.InputError, match=words):
+    with refused(*words):
         em.o_ring(**given)
 
 
@@ -231,5 +234,5 @@ def test_fluid_and_groove():
         np.testing.assert_allclose(found.fill, fill, rtol=1e-12)
     plain = em.o_ring(rubber, 3e-3, 0.2)
     assert plain.sealing_pressure is None
-    with pytest.raises(em.InputError, match="show must be one of"):
+    with refused("show"):
         plain.plot(show="sealing_pressure")

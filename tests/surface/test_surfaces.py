@@ -15,6 +15,8 @@ from scipy.special import gamma
 import elastomdr as em
 from elastomdr.surface.spectrum import synthesise
 
+from ..refused import refused
+
 TABLE = np.array([1e3, 1e6])
 SURFACE = em.Spectrum(TABLE, 1e-17 * (TABLE / 1e3) ** -3.6, convention="2d")
 
@@ -111,13 +113,13 @@ def test_friction_of_a_cut_is_that_of_its_surface():
 @pytest.mark.parametrize(
     ("c", "said"),
     [
-        ([3.0, 2.0, 2.0], "falls? .*up to its last points.*noise"),
-        ([1.0, 400.0, 399.0], "average it over wider bands"),
-        (np.linspace(2, 1, 6000), "three points at least, and 5000 at most"),
+        ([3.0, 2.0, 2.0], ("c", "last points")),
+        ([1.0, 400.0, 399.0], ("c", "over wider bands")),
+        (np.linspace(2, 1, 6000), ("q", 5000)),
     ],
 )
 def test_cuts_that_are_none_of_an_isotropic_surface(c, said):
-    with pytest.raises(em.InputError, match=said):
+    with refused(*said):
         em.Spectrum(np.geomspace(1e3, 1.1e3, len(c)), c, convention="1d")
 
 
@@ -241,9 +243,9 @@ def test_file_of_an_instrument(tmp_path):
 
 
 def test_bad_surfaces():
-    with pytest.raises(em.InputError, match="convention must be one of"):
+    with refused("convention"):
         em.Spectrum(TABLE, SURFACE.c, convention="psd")
-    with pytest.raises(em.InputError, match="q must have three points at least"):
+    with refused("q", "three points"):
         em.Spectrum([1e2, 1e4], [1e-9, 1e-15], convention="1d")
     with pytest.raises(em.InputError, match="ascending"):
         em.Spectrum([2.0, 1.0], [1.0, 1.0], convention="2d")
@@ -256,10 +258,7 @@ def test_bad_surfaces():
     [{"rms_slope": 1e200}, {"rms_height": 1e-200}, {"rms_slope": 1.0, "q_high": 1e300}],
 )
 def test_a_spectrum_beyond_double_precision(given):
-    with pytest.raises(
-        em.InputError,
-        match=r"double precision holds, got rms_|between 1e-100 and 1e100",
-    ):
+    with pytest.raises(em.InputError, match=r"rms_|1e100"):
         em.SelfAffine(0.8, **{"q_low": 1e3, "q_high": 1e6, **given})
 
 
@@ -278,19 +277,19 @@ def test_line_of_a_surface():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"periods": 2.5}, "periods must be a whole number, 1 to"),
-        ({"samples": "many"}, "samples must be a whole number, 64 to"),
-        ({"samples": 2**30}, "samples must be a whole number, 64 to 67108864"),
-        ({"periods": 2**26}, "needs 1.07e\\+10 samples on a line"),
+        ({"periods": 2.5}, ("periods", 1)),
+        ({"samples": "many"}, ("samples", 64)),
+        ({"samples": 2**30}, ("samples", 64, 67108864)),
+        ({"periods": 2**26}, ("", 1.07e10, "samples")),
     ],
 )
 def test_a_line_that_is_never_drawn(given, message):
     """In an instant, and not when the memory is gone; `em.friction` says the same."""
     surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=2e4)
-    with pytest.raises(em.InputError, match=message):
+    with refused(*message):
         surface.line(**given)
     rubber = em.Foundation(1e6, [1e6], [1.0])
-    with pytest.raises(em.InputError, match=message):
+    with refused(*message):
         em.friction(rubber, surface, velocity=1.0, pressure=1e5, model=em.Line(**given))
 
 
@@ -591,13 +590,9 @@ def test_arrays_and_files_of_heights(tmp_path):
 def test_file_of_an_instrument_without_a_size(tmp_path):
     height = 1e-6 * isotropic_map()
     np.save(tmp_path / "map.npy", 1e6 * height)
-    with pytest.raises(
-        em.InputError, match=r"'map.npy' says nothing of its unit; give unit="
-    ):
+    with refused("path", "'map.npy'", "unit="):
         em.read_surface(tmp_path / "map.npy", pixel_size=1e-5)
-    with pytest.raises(
-        em.InputError, match=r"pixel_size must be given with 'map.npy', which has none"
-    ):
+    with refused("path", "pixel_size", "'map.npy'"):
         em.read_surface(tmp_path / "map.npy", unit="um")
     got = em.read_surface(tmp_path / "map.npy", unit="um", pixel_size=1e-5)
     np.testing.assert_allclose(
@@ -608,68 +603,68 @@ def test_file_of_an_instrument_without_a_size(tmp_path):
 @pytest.mark.parametrize(
     ("height", "options", "message"),
     [
-        (HEIGHT, {}, r"pixel_size must be given with heights: .*\[m\], got None"),
-        (HEIGHT, {"pixel_size": 0.0}, "pixel_size must be positive and finite, got 0"),
+        (HEIGHT, {}, ("pixel_size", "heights")),
+        (HEIGHT, {"pixel_size": 0.0}, ("pixel_size", 0)),
         (
             HEIGHT,
             {"pixel_size": (1.0, -1.0)},
-            "pixel_size must be positive and finite, got -1",
+            ("pixel_size", -1),
         ),
-        (HEIGHT, {"pixel_size": (1.0, 1.0, 1.0)}, "one for each direction, got 3"),
+        (HEIGHT, {"pixel_size": (1.0, 1.0, 1.0)}, ("pixel_size", 3)),
         (
             HEIGHT,
             {"pixel_size": 1e-6},
-            "heights or pixel_size may be in the wrong unit",
+            ("heights", "pixel_size"),
         ),
-        (HEIGHT, {"pixel_size": 2.0, "unit": "um"}, "unit goes with a file"),
+        (HEIGHT, {"pixel_size": 2.0, "unit": "um"}, ("", "unit goes")),
         (
             HEIGHT,
             {"pixel_size": 2.0, "shortest": 1e3},
-            r"shortest must be .* 4 to 16 m, got 1000 m",
+            ("shortest", 4, 16, 1000),
         ),
         (
             HEIGHT,
             {"pixel_size": 2.0, "shortest": 1.0},
-            r"shortest must be two steps .* got 1 m",
+            ("shortest", 1),
         ),
         (
             HEIGHT[:1],
             {"pixel_size": 2.0},
-            r"16 x 16 points or more, got 1 x 32; give a profile as .* \(n,\)",
+            ("heights", 16, 1, 32),
         ),
         (
             HEIGHT[:, :1],
             {"pixel_size": 2.0},
-            r"16 x 16 points or more, got 64 x 1; give a profile",
+            ("heights", 16, 64, 1),
         ),
-        (HEIGHT[:9], {"pixel_size": 2.0}, "16 x 16 points or more, got 9 x 32"),
+        (HEIGHT[:9], {"pixel_size": 2.0}, ("heights", 16, 9, 32)),
         (
             HEIGHT[:, 0],
             {"pixel_size": 2.0, "shortest": 0.1},
-            "shortest must be two steps",
+            ("shortest", "two steps"),
         ),
         (
             HEIGHT[:40, 0],
             {"pixel_size": 2.0},
-            "a profile must have 64 points or more, got 40",
+            ("heights", 64, 40),
         ),
         (
             HEIGHT[None],
             {"pixel_size": 2.0},
-            r"shape \(n,\) or \(n_x, n_y\), got \(1, 64, 32\)",
+            ("heights", "(n_x", "n_y)", 1, 64, 32),
         ),
-        (np.full((32, 32), np.nan), {"pixel_size": 2.0}, "got none that is finite"),
-        (np.zeros((32, 32)), {"pixel_size": 2.0}, "got a flat surface"),
+        (np.full((32, 32), np.nan), {"pixel_size": 2.0}, ("heights", "finite")),
+        (np.zeros((32, 32)), {"pixel_size": 2.0}, ("heights", "flat surface")),
         (
             [HEIGHT, HEIGHT],
             {"pixel_size": [2.0]},
-            "an entry for each of the 2 scans, got 1",
+            ("pixel_size", 2, 1),
         ),
-        ({}, {"pixel_size": 2.0}, "must be a path, heights"),
+        ({}, {"pixel_size": 2.0}, ("path_or_heights", "heights")),
     ],
 )
 def test_bad_scans(height, options, message):
-    with pytest.raises(em.InputError, match=message):
+    with refused(*message):
         em.read_surface(height, **options)
 
 
@@ -686,16 +681,13 @@ def test_bad_scans(height, options, message):
 )
 def test_a_map_that_is_never_drawn(given):
     surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=2e4)
-    with pytest.raises(em.InputError, match=r"must (be a whole number|not be None)"):
+    with pytest.raises(em.InputError):
         em.reference.rough_map(surface, **given)
 
 
 def test_lines_without_end():
     surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=2e4)
-    with pytest.raises(
-        em.InputError,
-        match=r"seeds must be a whole number from 1 to 1000, .*got 1000000000000",
-    ):
+    with refused("seeds", 1, 1000, 1000000000000):
         em.friction(
             em.Foundation(1e6, [1e6], [1.0]),
             surface,

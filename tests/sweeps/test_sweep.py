@@ -30,6 +30,8 @@ from elastomdr.sweeps import grid as grids
 from elastomdr.sweeps import run, store
 from elastomdr.sweeps.identity import described, difference, not_comparable
 
+from ..refused import refused
+
 pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
 VELOCITY = np.logspace(-3, 1, 7)
 EPDM = em.load_material("epdm-70")
@@ -214,7 +216,7 @@ def test_a_store_of_other_inputs_is_refused(tmp_path, monkeypatch):
     axes = scene()["axes"] | {"load": [1.0, 4.0]}
     with pytest.raises(em.InputError, match=r"axes\.load\[1\] was 3\.0 and is 4\.0"):
         em.sweep(**scene(store=tmp_path / "runs.zarr", axes=axes))
-    with pytest.raises(em.InputError, match=r'call was "friction" and is "rolling"'):
+    with refused("", '"friction"', '"rolling"'):
         em.sweep(**scene(store=tmp_path / "runs.zarr", call=em.rolling))
     monkeypatch.setattr(store, "__version__", "9.9")
     with pytest.raises(
@@ -788,7 +790,7 @@ def test_one_at_a_time(tmp_path):
     (tmp_path / "same.zarr").symlink_to(tmp_path / "runs.zarr")
     with FileLock(tmp_path / ".runs.zarr.lock"):
         for name in ("runs.zarr", "same.zarr"):
-            with pytest.raises(em.InputError, match="in use by another process"):
+            with refused("", "another process"):
                 em.sweep(**scene(store=tmp_path / name))
 
 
@@ -856,10 +858,7 @@ def test_a_store_whose_metadata_are_spoilt_is_refused_in_a_line(
     if (place, change) == (".zgroup", b'{"zarr_format": 2}'):
         return  # this is what it was
     (tmp_path / "runs.zarr" / place).write_bytes(change)
-    with pytest.raises(
-        em.InputError,
-        match=r"is damaged|must be a new folder or URL, or one that em.sweep has made",
-    ) as said:
+    with refused("", "em.sweep") as said:
         em.sweep(**given)
     assert "\n" not in str(said.value)
 
@@ -989,9 +988,7 @@ def test_workers_of_another_version_are_refused():
     given = scene()
     del given["call"], given["progress"]
     asked = grids.grid(em.friction, given.pop("axes"), given)
-    with pytest.raises(
-        em.InputError, match=r"client must have workers with elastomdr 9\.9, got one"
-    ):
+    with refused("client", 9.9):
         run.compute(asked, asked.chunks()[0], "9.9")
 
 
@@ -1070,7 +1067,7 @@ def test_a_cluster_of_two(tmp_path, monkeypatch):
         found = em.sweep(**scene(store=tmp_path / "runs.zarr", client=client))
         with (
             pytest.warns(UserWarning, match="ReferenceType, which cannot be compared"),
-            pytest.raises(em.InputError, match="must be such that they can be pickled"),
+            refused("", "they can"),
         ):
             em.sweep(
                 **scene(
@@ -1098,28 +1095,28 @@ def test_a_cluster_of_two(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"axes": {}}, "axes must be a dict of one or more names"),
-        ({"axes": {"velocity": 1.0}}, r"axes\['velocity'\] must be a list"),
-        ({"axes": {"velocity": [[1.0]]}}, r"axes\['velocity'\] must be a list"),
-        ({"axes": {"velocity": []}}, r"axes\['velocity'\] must be a list"),
-        ({"axes": {"material": "nbr"}}, r"axes\['material'\] must be a list"),
+        ({"axes": {}}, ("axes", "more names")),
+        ({"axes": {"velocity": 1.0}}, ("", "axes")),
+        ({"axes": {"velocity": [[1.0]]}}, ("", "axes")),
+        ({"axes": {"velocity": []}}, ("", "axes")),
+        ({"axes": {"material": "nbr"}}, ("", "axes")),
         (
             {"shape": None, "load": [1.0, 2.0], "axes": {"velocity": [1.0]}},
-            "load must be one value or an axis",
+            ("load", "value"),
         ),
-        ({"load": 1.0}, "load must be an axis or fixed"),
-        ({"call": 3}, "call must be em.friction"),
+        ({"load": 1.0}, ("load", "fixed")),
+        ({"call": 3}, ("call", "em.friction")),
         (
             {"bananas": 1},
-            "must be those of friction: got an unexpected keyword argument 'bananas'",
+            ("", "'bananas'", "unexpected keyword argument"),
         ),
         (
             {"axes": {"velocity": [1.0]}, "load": 1.0},
-            "must be those of friction: missing a required argument: 'mat",
+            ("", "'mat", "required argument"),
         ),
         (
             {"axes": {"load": [1.0]}, "material": [rubber(1), rubber(2)]},
-            "material must be one, draws of one, or an",
+            ("material", "draws"),
         ),
         (
             {
@@ -1127,35 +1124,33 @@ def test_a_cluster_of_two(tmp_path, monkeypatch):
                 "material": EPDM.draws(3),
                 "shape": ROAD.draws(2, level=0.1),
             },
-            "material must have as many draws as shape, 2, got 3",
+            ("material", 2, 3),
         ),
         (
             {"axes": {"draw": [1.0]}, "material": EPDM.draws(3)},
-            "axes must not have one called 'draw'",
+            ("axes", "'draw'"),
         ),
         (
             {"client": "tcp://127.0.0.1:8786"},
-            "client must be a dask.distributed.Client or None, got 'tcp",
+            ("client", "dask.distributed.Client", "'tcp"),
         ),
-        ({"store": "nonsense://b/runs.zarr"}, "got 'nonsense:.*: Protocol not known"),
-        ({"store": "memory://"}, "URL with a bucket and a name, such as .*, got 'memo"),
-        ({"store": "/"}, "store must be a folder or a URL .*, got '/'"),
-        ({"store": ""}, "store must be a folder or a URL .*, got ''"),
-        ({"store": 3}, "store must be a folder or a URL .*, got 3"),
-        ({"store": None}, "store must be given, got None"),
+        ({"store": "nonsense://b/runs.zarr"}, ("store", "'nonsense")),
+        ({"store": "memory://"}, ("store", "'memo")),
+        ({"store": "/"}, ("store", "'/'")),
+        ({"store": ""}, ("store", "''")),
+        ({"store": 3}, ("store", 3)),
+        ({"store": None}, ("store", "None")),
     ],
 )
 def test_bad_input(change, said, tmp_path):
-    with pytest.raises(em.InputError, match=said):
+    with refused(*said):
         em.sweep(**scene(store=tmp_path / "runs.zarr") | change)
     assert not any(tmp_path.iterdir())
 
 
 def test_without_the_packages(tmp_path, monkeypatch):
     monkeypatch.setattr(run, "find_spec", lambda name: name != "zarr" or None)
-    with pytest.raises(
-        em.InputError, match=r"needs zarr: pip install elastomdr\[sweep\]"
-    ):
+    with refused("", "pip install elastomdr"):
         em.sweep(**scene(store=tmp_path / "runs.zarr"))
 
 

@@ -23,6 +23,8 @@ from elastomdr.transient.body_motion import MotionScene, Mount, run
 from elastomdr.transient.body_over_line import indenter
 from elastomdr.transient.problem import even_steps
 
+from ..refused import refused
+
 FLAT = em.RoughLine(np.arange(8) * 1e-5, np.zeros(8))
 X = np.arange(64) * 1e-5
 WAVY = em.RoughLine(X, 4e-6 * np.cos(2 * np.pi * X / 6.4e-4))
@@ -377,13 +379,16 @@ def test_gradient_through_the_motion_meets_finite_differences():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"tangential": 3.0}, "tangential must be an em.Mount"),
-        ({"normal": em.Mount(0.0)}, "normal mass must be positive"),
-        ({"normal": em.Mount(1.0, -1.0)}, "normal stiffness"),
-        ({"track": WAVY}, "track must be"),
-        ({"time": [0.0, 0.0]}, "time must ascend"),
-        ({"load": -1.0}, "load must be"),
-        ({"material": em.Foundation(1e9, [], [], per_area=True)}, "half-space"),
+        ({"tangential": 3.0}, ("tangential", "em.Mount")),
+        ({"normal": em.Mount(0.0)}, ("normal mass", "positive")),
+        ({"normal": em.Mount(1.0, -1.0)}, ("normal stiffness",)),
+        ({"track": WAVY}, ("track",)),
+        ({"time": [0.0, 0.0]}, ("time", "ascend")),
+        ({"load": -1.0}, ("load",)),
+        (
+            {"material": em.Foundation(1e9, [], [], per_area=True)},
+            ("material", "half-space"),
+        ),
     ],
 )
 def test_refuses_bad_input(change, message):
@@ -393,7 +398,7 @@ def test_refuses_bad_input(change, message):
         "position": [0.0, 0.0],
         "load": 1.0,
     } | change
-    with pytest.raises(em.InputError, match=message):
+    with refused(*message):
         em.drive(arguments.pop("material"), WAVY, **arguments)
 
 
@@ -419,14 +424,14 @@ def test_a_motion_that_takes_too_long_is_refused_with_one_that_does_not(
         some = time[time <= until]
         return em.drive(**FAST, time=some, position=speed * some, rtol=0.1)
 
-    with pytest.raises(em.InputError, match="must be those of a shorter") as refused:
+    with refused("", "shorter") as caught:
         part(time[-1])
-    lasts = float(re.search(r"the first (\S+) s of it", str(refused.value))[1])
+    lasts = float(re.search(r"the first (\S+) s of it", str(caught.value))[1])
     assert 0.02 * time[-1] < lasts < time[-1]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.ConvergenceWarning)
         assert part(lasts).time.size > 2
-    with pytest.raises(em.InputError, match="must be those of a shorter"):
+    with refused("", "shorter"):
         part(5 * lasts)
 
 

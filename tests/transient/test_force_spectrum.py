@@ -7,6 +7,8 @@ import pytest
 
 import elastomdr as em
 
+from ..refused import refused
+
 TIME = np.linspace(0, 0.4, 401)  # 1 ms
 SLIDE = em.slide(
     em.Foundation(1e6, [1e6], [0.01]),
@@ -79,14 +81,14 @@ def test_density_of_noise():
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        ({"force": "pull"}, "force must be one of normal_force, friction_force"),
-        ({"since": 0.399}, "since must leave eight instants"),
-        ({"period": 0.0505e-1}, "period must be"),
-        ({"period": 1.0}, "period must be"),
+        ({"force": "pull"}, ("force", "normal_force", "friction_force")),
+        ({"since": 0.399}, ("since", "leave eight instants")),
+        ({"period": 0.0505e-1}, ("period",)),
+        ({"period": 1.0}, ("period",)),
     ],
 )
 def test_bad_input(arguments, text):
-    with pytest.raises(em.InputError, match=text):
+    with refused(*text):
         motion().spectrum(**arguments)
 
 

@@ -15,6 +15,7 @@ from elastomdr.material.relaxation import to_kelvin
 from elastomdr.surface.disc import Disc
 from elastomdr.surface.shapes import Paraboloid, PowerLaw, Sphere
 
+from ..refused import refused
 from ..whole.problems.indentation import BALL, PROBLEMS, PULSES, SOLID, TIMES, TWICE
 
 
@@ -403,7 +404,7 @@ def test_refuses(name):
 
 
 def test_refuses_what_has_no_answer():
-    with pytest.raises(em.InputError, match="dashpot cannot be pressed down at once"):
+    with refused("depth", "dashpot cannot"):
         em.indent(
             em.Foundation(1.0, [], [], 1.0), BALL, time=[0.0, 1.0], depth=[1e-3, 1e-3]
         )
@@ -425,7 +426,7 @@ def test_refuses_what_has_no_answer():
         )
     assert np.isnan(off.depth[1])
     result = PROBLEMS[0].solve()
-    with pytest.raises(em.InputError, match="time must be within the history"):
+    with refused("time", "history"):
         result.pressure(0.0, 3.0)
     assert "contact radius [m]" in result.columns()
     assert "dissipated" in result.summary()

@@ -10,6 +10,8 @@ import pytest
 
 import elastomdr as em
 
+from ..refused import refused
+
 E, G, R, MU, A = 4e6, 4e6 * 2 / 3, 0.01, 0.5, 2e-3
 DEPTH, LOAD = A**2 / R, 4 / 3 * E * A**3 / R
 NORMAL, TANGENTIAL = em.Foundation(E, [], []), em.Foundation(G, [], [])
@@ -278,22 +280,22 @@ class TestExtremes:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"load": None}, "load or depth must be given"),
-        ({"friction": -1.0}, "friction must be zero or positive"),
-        ({"time": [0.0, 0.0]}, "time must be ascending"),
-        ({"displacement": [1.0, 2.0]}, "as long as time"),
-        ({"tangential": None}, "tangential must be given"),
-        ({"elements": 1}, "elements must be a whole number, 2 to 1000000"),
-        ({"load": -1.0}, "load must be zero or positive"),
+        ({"load": None}, ("", "depth")),
+        ({"friction": -1.0}, ("friction", "positive")),
+        ({"time": [0.0, 0.0]}, ("time", "ascending")),
+        ({"displacement": [1.0, 2.0]}, ("", "long")),
+        ({"tangential": None}, ("tangential",)),
+        ({"elements": 1}, ("elements", 2, 1000000)),
+        ({"load": -1.0}, ("load", "positive")),
     ],
 )
 def test_bad_input(changes, message):
-    with pytest.raises(em.InputError, match=message):
+    with refused(*message):
         elastic(**({"displacement": FULL * LOOP} | changes))
 
 
 def test_a_dashpot_is_not_moved_at_once():
-    with pytest.raises(em.InputError, match="depth must be 0 at the first instant"):
+    with refused("depth", 0):
         em.shear(
             em.KelvinVoigt(1e6, 1e3),
             BALL,

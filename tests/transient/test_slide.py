@@ -16,6 +16,7 @@ from elastomdr.transient.body_over_line import indenter
 from elastomdr.transient.march import settle
 from elastomdr.transient.problem import Steps, cut, timeline
 
+from ..refused import refused
 from .test_slide_rough import RUBBER, WAVES
 
 BALL = em.Paraboloid(0.01)
@@ -262,21 +263,21 @@ def test_a_body_that_is_not_pressed_down_feels_nothing(given):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"time": [1.0, 0.0]}, "time must not fall"),
-        ({"time": [0.0, 1.0, 2.0]}, "time and position"),
-        ({"time": [0.0, 0.0], "position": [0.0, 1.0]}, "position must not jump"),
-        ({"load": None}, "load or depth"),
-        ({"depth": 1e-4}, "load or depth"),
-        ({"load": -1.0}, "load must be"),
-        ({"load": [1.0, 1.0, 1.0]}, "load must be one number"),
-        ({"temperature": 300.0}, "no shift law"),
-        ({"rtol": 0.0}, "rtol"),
-        ({"elements": 3}, "elements"),
-        ({"shape": em.FlatPunch(1e-3)}, "FlatPunch"),
-        ({"shape": "ball"}, "shape"),
+        ({"time": [1.0, 0.0]}, ("time", "fall")),
+        ({"time": [0.0, 1.0, 2.0]}, ("", "position")),
+        ({"time": [0.0, 0.0], "position": [0.0, 1.0]}, ("position", "jump")),
+        ({"load": None}, ("", "depth")),
+        ({"depth": 1e-4}, ("", "depth")),
+        ({"load": -1.0}, ("load",)),
+        ({"load": [1.0, 1.0, 1.0]}, ("load", "number")),
+        ({"temperature": 300.0}, ("", "shift law")),
+        ({"rtol": 0.0}, ("rtol",)),
+        ({"elements": 3}, ("elements",)),
+        ({"shape": em.FlatPunch(1e-3)}, ("shape", "FlatPunch")),
+        ({"shape": "ball"}, ("shape",)),
         (
             {"material": em.Foundation.kelvin(1e6, 1e3), "load": None, "depth": 1e-4},
-            "depth must not jump",
+            ("depth", "jump"),
         ),
     ],
 )
@@ -288,7 +289,7 @@ def test_refuses_bad_input(change, message):
         "position": T2,
         "load": 1.0,
     } | change
-    with pytest.raises(em.InputError, match=message):
+    with refused(*message):
         em.slide(arguments.pop("material"), arguments.pop("shape"), **arguments)
 
 

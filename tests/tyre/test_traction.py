@@ -13,6 +13,8 @@ from scipy.optimize import brentq
 import elastomdr as em
 from elastomdr.arrays import numpy_unless_traced
 
+from ..refused import refused
+
 E, G, R, MU, A = 4e6, 4e6 * 2 / 3, 0.01, 0.5, 2e-3
 LOAD = 4 / 3 * E * A**3 / R
 NORMAL, TANGENTIAL = em.Foundation(E, [], []), em.Foundation(G, [], [])
@@ -390,15 +392,15 @@ def test_gradient():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"friction": -0.1}, "friction must be zero or positive"),
-        ({"creepage": np.nan}, "creepage must be finite"),
-        ({"tangential": None}, "tangential must be given"),
-        ({"creepage": [1.0, 2.0], "friction": [1.0, 2.0, 3.0]}, "must broadcast"),
-        ({"load": None}, "load or depth must be given"),
+        ({"friction": -0.1}, ("friction", "positive")),
+        ({"creepage": np.nan}, ("creepage", "finite")),
+        ({"tangential": None}, ("tangential",)),
+        ({"creepage": [1.0, 2.0], "friction": [1.0, 2.0, 3.0]}, ("", "broadcast")),
+        ({"load": None}, ("", "depth")),
     ],
 )
 def test_bad_input(changes, message):
-    with pytest.raises(em.InputError, match=message):
+    with refused(*message):
         elastic(**changes)
 
 
@@ -563,22 +565,22 @@ class TestSlip:
     @pytest.mark.parametrize(
         ("changes", "message"),
         [
-            ({"slip": 0.1}, "only one of them"),
-            ({"creepage": None}, "got neither"),
-            ({"creepage": None, "slip": 1.0}, "slip must be finite and below 1"),
-            ({"creepage": None, "slip": np.nan}, "slip must be finite"),
+            ({"slip": 0.1}, ("", "only")),
+            ({"creepage": None}, ("", "neither")),
+            ({"creepage": None, "slip": 1.0}, ("slip", 1)),
+            ({"creepage": None, "slip": np.nan}, ("slip", "finite")),
             (
                 {"creepage": None, "slip": 0.1, "velocity": 0.0},
-                "velocity must be positive",
+                ("velocity", "positive"),
             ),
             (
                 {"creepage": None, "slip": [0.1, 0.2], "velocity": [1.0, 2.0, 3.0]},
-                "velocity and slip must broadcast",
+                ("", "broadcast"),
             ),
         ],
     )
     def test_bad_input(self, changes, message):
-        with pytest.raises(em.InputError, match=message):
+        with refused(*message):
             elastic(**changes)
 
 

@@ -18,6 +18,8 @@ import xarray as xr
 import elastomdr as em
 from elastomdr.units.arguments import UNITS, _unit, arguments_in_si, carries_unit
 
+from ..refused import refused
+
 REGISTRY = pint.UnitRegistry()
 Q = REGISTRY.Quantity
 NONSENSE = Q(3.0, "kg*mol*cd")
@@ -233,7 +235,7 @@ def test_a_list_of_quantities_and_nested_ones():
         SOLID, BALL, velocity=[Q(10.0, "mm/s"), Q(0.1, "m/s")], load=0.01
     )
     np.testing.assert_allclose(line.velocity, [0.01, 0.1])
-    with pytest.raises(em.InputError, match=r"velocity must be in m/s.*got 1 kilogram"):
+    with refused("velocity", "m/s", 1):
         em.friction(SOLID, BALL, velocity=[Q(10.0, "mm/s"), Q(1, "kg")], load=0.01)
     heat = em.Heat(
         0.2, Q(2.0, "MJ/(m^3*K)"), road=(Q(1.2, "W/(m*degC)"), Q(2.0, "MJ/(m^3*K)"))
@@ -251,28 +253,22 @@ def test_temperatures_and_their_differences():
     np.testing.assert_allclose(
         law.a(Q(np.array([10.0, 20.0]), "degC")), law.a(np.array([283.15, 293.15]))
     )
-    with pytest.raises(
-        em.InputError, match=r"c2 must be in K of difference.*got 101.6 degree_Celsius"
-    ):
+    with refused("c2", 101.6, "degree_Celsius"):
         em.WLF(8.86, Q(101.6, "degC"), 293.15)
-    with pytest.raises(
-        em.InputError, match=r"reference must be in K,.*got 20 delta_degree_Celsius"
-    ):
+    with refused("reference", 20, "delta_degree_Celsius"):
         em.WLF(8.86, 101.6, Q(20, "delta_degC"))
 
 
 def test_what_pint_would_mistake():
     # turns, for pint 10 rad/s
-    with pytest.raises(em.InputError, match=r"omega must be in rad/s.*got 10 hertz"):
+    with refused("omega", "rad/s", 10):
         SOLID.storage(Q(10, "Hz"))
     assert (
         SOLID.storage(Q(10, "rad/s"))
         == SOLID.storage(10.0)
         == SOLID.storage(Q(10, "1/s"))
     )
-    with pytest.raises(
-        em.InputError, match=r"slope must be a number without a unit, got 5 degree"
-    ):
+    with refused("slope", 5):
         em.Cone(Q(5, "degree"))
     assert float(em.Cone(Q(5, "percent")).slope) == pytest.approx(0.05)
 
@@ -282,11 +278,9 @@ def test_units_that_depend_on_other_arguments():
     assert (
         by_line.mu == em.friction(SOLID, ROAD, velocity=1.0, load=10.0, model="line").mu
     )
-    with pytest.raises(em.InputError, match=r"load must be in N/m.*got 10 newton"):
+    with refused("load", "N/m", 10):
         em.friction(SOLID, ROAD, velocity=1.0, load=Q(10, "N"), model="line")
-    with pytest.raises(
-        em.InputError, match=r"load must be in N,.*got 10.0 newton / meter"
-    ):
+    with refused("load", 10.0):
         em.friction(SOLID, BALL, velocity=1.0, load=Q(10.0, "N/m"))
     assert float(em.PowerLaw(2, Q(0.1, "1/mm")).coefficient) == pytest.approx(100.0)
     q, c = np.array([1e3, 3e3, 1e4]), np.array([1e-3, 3e-5, 1e-6])  # 1/m, mm^3
@@ -319,10 +313,7 @@ def test_xarray_and_pandas(velocity):
 def test_a_unit_that_nobody_knows():
     velocity = pd.Series([10.0, 100.0])
     velocity.attrs["units"] = "furlongish"
-    with pytest.raises(
-        em.InputError,
-        match=r"velocity must have a unit that is known.*got 'furlongish'",
-    ):
+    with refused("velocity", "'furlongish'"):
         em.friction(SOLID, BALL, velocity=velocity, load=0.01)
 
 
@@ -333,10 +324,7 @@ class Foreign(np.ndarray):
 
 
 def test_quantities_of_other_packages_are_refused():
-    with pytest.raises(
-        em.InputError,
-        match="velocity must be a plain number in SI units or a quantity of pint",
-    ):
+    with refused("velocity", "plain number"):
         em.friction(SOLID, BALL, velocity=np.array([10.0]).view(Foreign), load=0.01)
 
 
@@ -359,9 +347,7 @@ def test_a_sweep_takes_units(tmp_path):
 
 def test_names_of_parameters_that_are_no_arguments():
     """The log10 of a factor on the times is called "time" in a calibration."""
-    with pytest.raises(
-        em.InputError, match="parameters must be a number without a unit, got 1 second"
-    ):
+    with refused("parameters", 1):
         em.fit.calibrate(
             SOLID,
             BALL,

@@ -11,6 +11,8 @@ import elastomdr as em
 from elastomdr.cli.init import kinds
 from elastomdr.cli.main import main
 
+from ..refused import refused
+
 SCENE = """
 material = "tread-passenger-synthetic"
 temperature = "20 degC"
@@ -112,10 +114,7 @@ def test_a_small_pressure_is_computed():
 def test_temperature_in_celsius(shape):
     rubber = em.load_material("tread-passenger-synthetic")
     force = {"pressure": 3e5} if shape is ROAD else {"load": 1.0}
-    with pytest.raises(
-        em.InputError,
-        match=r"temperature must be.*kelvin.*got 20.*20 degC is 293\.15 K",
-    ):
+    with refused("temperature", 20, 293.15):
         em.friction(rubber, shape, velocity=0.01, temperature=20, **force)
 
 
@@ -146,27 +145,16 @@ def test_radius_in_a_scene(capsys):
 def test_material_that_is_not_there():
     em.save_material(em.load_material("nbr-linder"), "compound.toml")
     Path("compond-notes.toml").write_text("title = 'no material'")
-    with pytest.raises(
-        em.InputError,
-        match=r"no such file\. Did you mean 'compound\.toml'\? Looked for in /",
-    ):
+    with refused("", "'compound.toml'", "Did you mean"):
         em.load_material("compond.toml")
-    with pytest.raises(
-        em.InputError, match=r"Did you mean 'nbr-linder'\? Looked for in"
-    ):
+    with refused("", "'nbr-linder'", "Did you mean"):
         em.load_material("nbr-lindner.toml")
-    with pytest.raises(
-        em.InputError,
-        match=r"Did you mean 'nbr-linder'\?.*elastomdr materials.*Looked for in /",
-    ):
+    with refused("", "'nbr-linder'", "elastomdr materials"):
         em.load_material("nbr_linder")
 
 
 def test_pressure_on_a_ball():
-    with pytest.raises(
-        em.InputError,
-        match=r"sphere takes load or depth, got pressure=300000.*load= \[N\]",
-    ):
+    with refused("", "pressure=300000", "load="):
         em.friction(
             em.load_material("nbr-linder"), em.Sphere(5e-3), velocity=0.01, pressure=3e5
         )
@@ -183,10 +171,7 @@ def test_moduli_exchanged():
     dma = em.fit.dma(
         omega, rubber.loss(reduced), rubber.storage(reduced), t, kind="tensile"
     )
-    with pytest.raises(
-        em.InputError,
-        match=r"look exchanged.*Exchange them: .*--column storage=N --column loss=M",
-    ):
+    with refused("", "--column", "storage=N", "loss=M"):
         em.fit.master_curve(dma, 293.15)
 
 
