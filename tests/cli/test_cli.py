@@ -1,6 +1,7 @@
 """The command line: what it writes, what it refuses and how."""
 
 import os
+import re
 import warnings
 from pathlib import Path
 
@@ -16,6 +17,9 @@ from elastomdr.cli.sweep import assembled
 from elastomdr.errors import ConvergenceWarning
 
 from .cli_cases import BAD_MATERIALS, BAD_SCENES, MATERIAL, SCENE, arguments
+
+# lines that a command prints after the largest value
+OTHERS = ["how sure", "rests on", "doubts", "wrote"]
 
 
 @pytest.fixture(autouse=True)
@@ -65,7 +69,9 @@ def test_scene_to_table_and_figure(place, capsys, verb, call, coefficient):
     assert main([verb, name, "--out", "new/folder"]) == 0
     out, err = capsys.readouterr()
     assert err == ""
-    assert out.startswith("Slider\n")
+    first, *others = [line[:10].strip() for line in out.splitlines()]
+    assert first == "peak"
+    assert others == OTHERS
     assert f"new/folder/scene-{verb}.csv" in out.replace(os.sep, "/")
     assert sorted(p.name for p in Path("new/folder").iterdir()) == [
         f"scene-{verb}.csv",
@@ -101,6 +107,11 @@ def test_scene_to_table_and_figure(place, capsys, verb, call, coefficient):
         expected.mu if verb == "friction" else expected.coefficient,
         rtol=1e-14,
     )
+    top = float(re.search(rf"{coefficient[:-4]} (\S+) at", out)[1])
+    assert top == pytest.approx(table[coefficient].max(), rel=6e-3)
+    assert main([verb, name, "--out", "new/folder", "--verbose"]) == 0
+    said = capsys.readouterr().out
+    assert all(text in said for text in ("10 N", "Slider"))
 
 
 def test_points_that_fail_give_status_3_and_empty_cells(place, capsys, monkeypatch):
@@ -118,7 +129,7 @@ def test_points_that_fail_give_status_3_and_empty_cells(place, capsys, monkeypat
     monkeypatch.setattr("elastomdr.friction", half_failed, raising=False)
     assert main(["friction", write(place)]) == 3
     out, err = capsys.readouterr()
-    assert "1 did not converge" in out
+    assert "not converged (left out) at 1 of 4" in out
     assert err.count("\n") == 1
     assert "1 of 4" in err
     table = pd.read_csv("scene-friction.csv", comment="#")

@@ -114,7 +114,7 @@ def test_a_tyre_brakes_like_one(tmp_path):
 
 
 def test_rolling_of_the_same_rubber_stands_beside_its_friction(tmp_path, capsys):
-    """The README's main job: friction of a tread about 1, and in the second panel what
+    """The README's main job: friction of a tread about 1, and beside it what
     `em.rolling` computes on a cover of the rubber.
     """
     text = (FOLDER / "tread.toml").read_text(encoding="utf-8")
@@ -125,8 +125,14 @@ def test_rolling_of_the_same_rubber_stands_beside_its_friction(tmp_path, capsys)
         1.0, abs=0.1
     )
     written = {file.name for file in (tmp_path / "out").iterdir()}
-    assert written == {"tread-friction.csv", "tread-friction.png", "tread-rolling.csv"}
-    assert "Rolling resistance" in capsys.readouterr().out
+    assert written == {
+        f"tread-{verb}.{kind}"
+        for verb in ("friction", "rolling")
+        for kind in ("csv", "png")
+    }
+    said = capsys.readouterr().out
+    assert "rolling resistance coefficient" in said
+    assert len(said.splitlines()) == 7
     lines = (tmp_path / "out" / "tread-rolling.csv").read_text().splitlines()
     rolling = list(csv.DictReader(line for line in lines if not line.startswith("#")))
     cover = em.layer(em.load_material("tread-passenger-synthetic"), 8e-3)

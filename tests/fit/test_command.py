@@ -29,6 +29,7 @@ def test_command_line(tmp_path, monkeypatch, capsys):
                 "new/folder",
                 "--name",
                 "fitted",
+                "--verbose",
             ]
         )
         == 0

@@ -105,7 +105,7 @@ velocity = { from = "1e-3 m/s", to = "1e-1 m/s", points = 3 }
 def test_command(tmp_path, capsys):
     (tmp_path / "two.toml").write_text(SCENE + '[compare]\nvelocity = "1e-2 m/s"\n')
     assert main(["compare", str(tmp_path / "two.toml"), "--out", str(tmp_path)]) == 0
-    assert "ranking by friction at 0.01 m/s" in capsys.readouterr().out
+    assert "ranking   by friction at 0.01 m/s" in capsys.readouterr().out
     lines = [
         x
         for x in (tmp_path / "two-compare.csv").read_text().splitlines()

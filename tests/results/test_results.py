@@ -235,6 +235,43 @@ def test_summary_finds_the_peak_and_the_ends():
     assert "peak coefficient = 0.5" in rolling_curve().summary()
 
 
+def test_headline_is_peak_band_and_doubts():
+    """What a command prints: the largest value, its band, and each kind of doubt."""
+
+    def headline(**changes):
+        curve = friction_curve(error=0.01, failed=[0])
+        return dict(dataclasses.replace(curve, **changes).headline())
+
+    bound = np.full(VELOCITY.size, 0.04)
+    said = headline(model_error=bound)
+    assert said["peak"] == (
+        "friction coefficient 0.5 at 0.01 m/s; smallest 0.0001 at 100 m/s"
+    )
+    assert said["how sure"] == "0.45 to 0.55 there (computation 2 %, model 8 %)"
+    assert said["rests on"] == "nbr; bare MDR line"
+    assert said["doubts"].startswith("not converged (left out) at 1 of 33, bound")
+    said = headline(model_error=np.where(VELOCITY < 1, np.nan, bound))
+    assert said["how sure"].startswith("not known there: no bound on the model")
+    assert "no prediction (no bound on the model) at" in said["doubts"]
+    doubt = em.Doubt("extrapolated", VELOCITY > 1.0)
+    said = headline(marks=(doubt,))
+    assert said["doubts"] == (
+        "not converged (left out) at 1 of 33, extrapolated at 8 of 33 points"
+    )
+    dry = headline(
+        adhesion=0.2 * friction_curve().mu, pressure=np.full(VELOCITY.size, 1e5)
+    )
+    assert "not in the band: the shear law (20 % of mu)" in dry["rests on"]
+    every = friction_curve(failed=range(33))
+    assert dict(every.headline())["largest"] == "none of the points converged"
+    falling = dict(friction_curve(velocity=np.geomspace(1e2, 1.0, 5)).headline())
+    assert falling["largest"].endswith(
+        "at 1 m/s, the lowest velocity computed; smallest 0.0001 at 100 m/s"
+    )
+    both = FrictionCurve.stack([friction_curve()] * 2, ["nbr", "sbr"])
+    assert "0.5 at nbr, 0.01 m/s" in dict(both.headline())["peak"]
+
+
 def test_repr_is_readable_and_never_fails():
     assert repr(friction_curve()) == "FrictionCurve\n" + friction_curve().summary()
     assert repr(jax.tree.map(lambda x: None, friction_curve())).startswith(

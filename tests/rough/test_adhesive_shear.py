@@ -327,7 +327,7 @@ def test_a_scene_has_a_table_for_it(tmp_path, capsys):
         SCENE_FILE.format(more='energy = "80 kJ/mol"\nreference = "20 degC"'),
         encoding="utf-8",
     )
-    assert main(["friction", str(path), "--out", str(tmp_path)]) == 0
+    assert main(["friction", str(path), "--out", str(tmp_path), "--verbose"]) == 0
     said = capsys.readouterr().out
     assert "6 MPa at 0.005 m/s" in said
     header, *rows = [

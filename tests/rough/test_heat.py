@@ -335,7 +335,7 @@ def test_scene_with_heat_and_measured_points(tmp_path, capsys, monkeypatch):
     scene.write_text(SCENE.format(conductivity="0.25 W/m/K"))
     rows = "10,0.05,10\n100,0.06,10\n100,0.04,40\n1000,0.1,80\n,0.1,80\n"
     points.write_text("velocity [mm/s],mu,temperature [degC]\n" + rows)
-    assert main(["friction", str(scene), "--out", str(tmp_path)]) == 0
+    assert main(["friction", str(scene), "--out", str(tmp_path), "--verbose"]) == 0
     said, warned = capsys.readouterr()
     assert "points.csv: 1 row left out: line 6: velocity [mm/s] is ''" in warned
     for word in (

@@ -382,7 +382,7 @@ FULL = 'model = "line"\nequivalent_length = "full contact"'
 def test_scene(tmp_path, capsys, monkeypatch):
     scene = tmp_path / "road.toml"
     scene.write_text(SCENE.format(contact='pressure = "0.05 MPa"'))
-    assert main(["friction", str(scene), "--out", str(tmp_path)]) == 0
+    assert main(["friction", str(scene), "--out", str(tmp_path), "--verbose"]) == 0
     said = capsys.readouterr().out
     for word in ("rms height", "rms slope", "cutoffs", "2 pi/q_low"):
         assert word in said

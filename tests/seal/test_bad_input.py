@@ -79,7 +79,7 @@ def test_kinematic_viscosity_in_a_scene(tmp_path, capsys, monkeypatch):
     assert main(["leak", str(path)]) == 2
     assert "a dynamic viscosity (a kinematic one times" in capsys.readouterr().err
     path.write_text(SCENE.replace("46 cSt", "40.02 mPa s"), encoding="utf-8")
-    assert main(["leak", str(path)]) == 0
+    assert main(["leak", str(path), "--verbose"]) == 0
     found = em.leak(
         em.load_material("epdm-70"), ROUGH, temperature=293.15, time=60.0,
         **LEAK | {"viscosity": 0.04002},

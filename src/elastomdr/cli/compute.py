@@ -9,7 +9,7 @@ import os
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -58,12 +58,16 @@ def run(options: argparse.Namespace) -> int:
         notes = _notes(path, scene)
         files: dict[str, Callable[[Path], object]] = {
             f"{stem}.csv": lambda to: _write_table(outcomes[0], to, notes),
-            f"{stem}.png": lambda to: _write_figure(_drawn(outcomes, shown), to),
+            f"{stem}.png": lambda to: _write_figure(outcomes[0].plot(**shown), to),
         }
         if beside is not None:
-            files[f"{path.stem}-rolling.csv"] = lambda to: _write_table(
-                results[1], to, notes
-            )
+            rolling = results[1]
+            files |= {
+                f"{path.stem}-rolling.csv": lambda to: _write_table(rolling, to, notes),
+                f"{path.stem}-rolling.png": lambda to: _write_figure(
+                    rolling.plot(title=scene.title), to
+                ),
+            }
         sentence = scene.said(results[0])
         try:
             further = scene.further_files(results[0])
@@ -71,23 +75,26 @@ def run(options: argparse.Namespace) -> int:
             further, sentence = {}, str(error)
         files |= {f"{stem}{end}": write for end, write in further.items()}
         write_all(folder, files)
-        said = [scene.title, *(each.summary() for each in outcomes), sentence]
-        print(*filter(None, said), sep="\n")
-        print("wrote " + " and ".join(str(folder / name) for name in files))
+        if options.verbose:
+            said = [scene.title, *(each.summary() for each in outcomes)]
+        else:
+            said = [aligned(outcomes[0].headline()), *map(_in_two, results[1:])]
+        print(*filter(None, [*said, sentence]), sep="\n")
+        print(aligned([("wrote", ", ".join(str(folder / name) for name in files))]))
     return DONE if all(r.converged.all() for r in results) else NOT_CONVERGED
 
 
-def _drawn(results: list[Any], shown: Arguments) -> Any:
-    """Axes of the result's figure, or of one panel for each where there are two."""
-    result, *others = results
-    if not others:
-        return result.plot(**shown)
-    from ..results.plotting import panels
+def aligned(pairs: Iterable[tuple[str, str]]) -> str:
+    """Names and sentences, a line each."""
+    return "\n".join(f"{name:<10}{sentence}" for name, sentence in pairs)
 
-    first, *further = panels(len(results))
-    for each, panel in zip(others, further, strict=True):
-        each.plot(panel, title="Rolling on the same rubber")
-    return result.plot(first, **shown)
+
+def _in_two(result: "Result") -> str:
+    """What is printed of a result beside the first: its largest value and its doubts."""
+    said = dict(result.headline())
+    return aligned(
+        pair for pair in said.items() if pair[0] not in ("how sure", "rests on")
+    )
 
 
 def output_folder(out: str) -> Path:

@@ -28,6 +28,8 @@ _READ = (
     "ramp",
 )
 _FITTED = ("terms", "balance", "temperature_error", "law", "poisson", "citation")
+# findings that are printed without --verbose
+_FIRST = ("columns", "data", "shift law", "misfit", "warning")
 _LAW = re.compile(r"\s*(WLF|Arrhenius|VFT)\s*\((.*)\)\s*", re.IGNORECASE)
 # by name, an example with the units of the constants
 _LAWS = {
@@ -198,7 +200,7 @@ def run(options: argparse.Namespace) -> int:
     """Writes everything that a fit gives; returns the exit status. Nothing is written
     before all is computed.
     """
-    from .compute import output_folder
+    from .compute import aligned, output_folder
 
     folder = output_folder(options.out)
     if (options.shore_a is None) == (not options.data):
@@ -218,11 +220,14 @@ def run(options: argparse.Namespace) -> int:
         raise
     folder.mkdir(parents=True, exist_ok=True)
     paths = fit.save(folder)
-    print(fit.summary())
-    names = ", ".join(path.name for path in paths)
-    print(f"wrote {len(paths)} files: {names} in {folder}")
     path = (folder / f"{fit.material.name}.toml").as_posix()
-    print(f'in a scene file here: material = "{path}"')
+    if options.verbose:
+        print(fit.summary())
+        print(f"wrote {len(paths)} files: {', '.join(each.name for each in paths)}")
+        print(f'in a scene file here: material = "{path}"')
+    else:
+        print(aligned(each for each in fit.findings() if each[0] in _FIRST))
+        print(aligned([("wrote", f"{path} and {len(paths) - 1} more files beside it")]))
     print(
         f"friction on a measured profile: elastomdr init road.toml --material {path} "
         "--profile PROFILE.csv"

@@ -142,8 +142,8 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="elastomdr",
         description=(
-            "Rubber friction and rolling resistance from a material file: one table "
-            "and one figure per run."
+            "Rubber friction and rolling resistance from a material file: five lines, a "
+            "table and a figure per run."
         ),
         epilog="Exit status: 0 done, 2 bad input, 3 some points did not converge.",
     )
@@ -163,6 +163,7 @@ def _parser() -> argparse.ArgumentParser:
             default=".",
             help="folder for the files (default: this one)",
         )
+        add_verbose(command)
     for verb, run, words, add_options in _OTHERS:
         add_options(_added(commands, verb, run, words))
     return parser
@@ -181,6 +182,15 @@ def _added(
 
 def _add_scene(command: _Parser, words: str) -> None:
     command.add_argument("scene", metavar="SCENE.toml", help=words)
+
+
+def add_verbose(command: argparse.ArgumentParser) -> None:
+    """The option that has all printed."""
+    command.add_argument(
+        "--verbose",
+        action="store_true",
+        help="print inputs, findings and every doubt, as they stand above the table",
+    )
 
 
 def _add_init(command: _Parser) -> None:
@@ -239,6 +249,7 @@ def _add_sweep(command: _Parser) -> None:
 
 def _add_fit(command: _Parser) -> None:
     importlib.import_module(".fit", __package__).add_arguments(command)
+    add_verbose(command)
 
 
 def _add_app(command: _Parser) -> None:

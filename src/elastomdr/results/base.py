@@ -49,9 +49,20 @@ from ..errors import InputError
 from ..files import as_path, csv_text, write_files
 from ..notebook_tables import html_figure, html_table
 from ..trees import pytree, replaced
-from .axes import Axis, Curve, curves, dimensions
-from .doubts import FLAGS, TITLE, Doubt, carried, flags, found, kinds_of_points, where
+from .axes import Axis, Curve, curves, dimensions, place_in_words
+from .doubts import (
+    FLAGS,
+    TITLE,
+    Doubt,
+    carried,
+    counted_kinds,
+    flags,
+    found,
+    kinds_of_points,
+    where,
+)
 from .uncertainty import Again
+from .words import in_unit, span
 
 if TYPE_CHECKING:
     import jax
@@ -495,6 +506,84 @@ class Result:
         if material in (None, "", "given directly"):
             return self.title
         return f"{self.title}, {material}"
+
+    def headline(self) -> Iterator[tuple[str, str]]:
+        """What a command prints: the largest and the smallest value and where, how sure
+        they are, what they rest on, and how many points each kind of doubt is about.
+        """
+        one = self.typical() if self.drawn else self
+        shown = one.told()
+        about = next(q for q in one.quantities() if q.path == shown)
+        values = np.ravel(one._value(about))
+        known = np.flatnonzero(np.isfinite(values))
+        top = least = 0
+        if known.size:
+            inside = values[known]
+            top, least = int(known[inside.argmax()]), int(known[inside.argmin()])
+            kind, end = one._top(top)
+            said = f"{about.label} {one._point(about, top)}{end}"
+            if values[least] < values[top]:
+                said += f"; smallest {one._point(about, least)}"
+            yield kind, said
+            spread = next(self._spread())[1] if self.drawn else one._sure(top)
+            yield "how sure", "95 % of the draws: " * self.drawn + spread
+        else:
+            yield "largest", f"none of the {self.each} converged"
+        yield "rests on", "; ".join(filter(None, one._rests_on(top)))
+        yield "doubts", counted_kinds(self.doubts) or "none"
+
+    def _top(self, i: int) -> tuple[str, str]:
+        """Whether a largest value is a peak along its curve, and else at which end."""
+        axes = self.axes()
+        places = np.unravel_index(i, np.shape(self.converged))
+        for axis, j in zip(axes, places, strict=True):
+            x = axis.values
+            if axis.name == (self.last or self.across) and axis.known and x.size > 1:
+                if x.min() < x[j] < x.max():
+                    return "peak", ""
+                end = "lowest" if x[j] == x.min() else "highest"
+                timed = axis.name == "time"
+                return "largest", "" if timed else f", the {end} {axis.name} computed"
+        return "largest", ""
+
+    def _point(self, about: Quantity, i: int) -> str:
+        """One value of a field with its unit, and where it is."""
+        value, shape = np.ravel(self._value(about))[i], np.shape(self.converged)
+        unit = about.shown or about.unit
+        number = significant(float(in_unit(value, about.shown)), 3)
+        where = ", ".join(
+            place_in_words(axis, int(j))
+            for axis, j in zip(self.axes(), np.unravel_index(i, shape), strict=True)
+            if axis.values.size > 1
+        )
+        return f"{number}{unit.join((' ', '')) if unit != '-' else ''}" + (
+            f" at {where}" if where else ""
+        )
+
+    def _sure(self, i: int) -> str:
+        """How sure the value of a point is, or else those of all points."""
+        error, bound = np.asarray(self.error), getattr(self, "model_error", None)
+        most = significant(float(np.fmax.reduce(error, axis=None)), 2)
+        said = f"error of the computation of {self.error_of}: at most {most}"
+        if bound is None:
+            return said
+        if not np.isfinite(bound).any():
+            return f"no bound on the model; {said}"
+        of = " of the value" if self.relative_bound else ""
+        return f"{said}; bound on the model: {span(bound)}{of}"
+
+    def _rests_on(self, i: int) -> Iterator[str]:
+        """Material and model, in short, and what the band of a point leaves out."""
+        yield dict(self.inputs).get("material", "")
+        yield self.short_model()
+
+    def short_model(self) -> str:
+        """The name of the model, without what it means."""
+        return self.model.split(" (")[0].split(";")[0]
+
+    def told(self) -> str:
+        """The field that is told of first."""
+        return self.shows
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """What went in and what came out, as pairs of a name and a text."""

@@ -174,6 +174,23 @@ class AbstractCurve(Result):
             words = self._model_error(bound[known], fields[self.shows][known])
             yield "model error", words
 
+    def _sure(self, i: int) -> str:
+        """The band at a point, and what it consists of."""
+        value, error = (float(np.ravel(x)[i]) for x in (self._shown(), self.error))
+        share = 100 / abs(value) if value else np.nan
+        computed = f"computation {significant(share * error, 2)} %"
+        if self.model_error is None:
+            return f"{computed}, no error of the model"
+        bound = float(np.ravel(self.model_error)[i])
+        if not np.isfinite(bound):
+            return f"not known there: no bound on the model ({computed})"
+        low, high = (significant(value + x, 3) for x in (-error - bound, error + bound))
+        model = f"model {significant(share * bound, 2)} %"
+        return f"{low} to {high} there ({computed}, {model})"
+
+    def _shown(self) -> Array:
+        return getattr(self, self.shows)
+
     def _model_error(self, bound: np.ndarray, value: np.ndarray) -> str:
         worst = int(np.nanargmax(bound))
         if bound[worst] == 0:
@@ -325,6 +342,17 @@ class FrictionCurve(AbstractCurve):
             )
             return q._replace(label=f"{q.label} per {per}", unit=unit)
         return q
+
+    def _rests_on(self, i: int) -> Iterator[str]:
+        yield from super()._rests_on(i)
+        left_out = []
+        if self.adhesion is not None:
+            share = float(np.ravel(self.adhesion)[i] / np.ravel(self.mu)[i])
+            left_out.append(f"the shear law ({significant(100 * share, 2)} % of mu)")
+        if self.pressure is not None:
+            left_out.append("the shortest wave of the surface")
+        if left_out:
+            yield f"not in the band: {', '.join(left_out)}"
 
     def law(self, cold: bool = False) -> FrictionLaw:
         """mu(v, T, p) on the grid of this curve, to be interpolated, written, and given
@@ -657,12 +685,16 @@ class Ranking:
             in_words(name, value) for name, value in known.items() if value is not None
         )
 
-    def words(self) -> Iterator[str]:
-        """The lines of `summary`."""
-        yield f"ranking by friction at {self.where()}"
+    def headline(self) -> Iterator[tuple[str, str]]:
+        """What a command prints: where it holds, and the places in order."""
+        yield "ranking", f"by friction at {self.where()}"
         width = max(len(place.material) for place in self.places)
         for i, place in enumerate(self.places, 1):
-            yield f"{i:>3}  {place.material:<{width}}  {place.words()}"
+            yield str(i), f"{place.material:<{width}}  {place.words()}"
+
+    def words(self) -> Iterator[str]:
+        """The lines of `summary`."""
+        yield from (f"{name:<8}{words}" for name, words in self.headline())
         for place in self.places:
             for doubt in place.doubts:
                 yield f"{place.material}, {doubt.kind}: {doubt.says}"

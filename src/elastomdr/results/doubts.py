@@ -56,6 +56,16 @@ _USUAL: dict[Kind, _Usual] = {
     ),
     "estimate": _Usual("are estimates", ""),
 }
+# of each kind, in a line and in a figure
+SHORT: dict[Kind, str] = {
+    "not converged": "not converged (left out)",
+    "no prediction": "no prediction (no bound on the model)",
+    "extrapolated": "extrapolated",
+    "hot branch": "hot branch (another steady state)",
+    "bound": "bound above half of the value",
+    "illustrative": "illustrative moduli",
+    "estimate": "an estimate",
+}
 TITLE = "doubts"  # of the column of a table that names the kinds of each point
 
 
@@ -127,6 +137,17 @@ def carried(
             points = points | every[key].points
         every[key] = replaced(doubt, points=points)
     return tuple(every.values())
+
+
+def counted_kinds(doubts: Iterable[Doubt]) -> str:
+    """At how many points there is each kind, in a line; "" where there is none."""
+    doubts = list(doubts)
+    said = []
+    for kind, words in SHORT.items():
+        if (points := where(doubts, kind)) is not None and np.any(points):
+            count, size = int(np.sum(points)), np.size(points)
+            said.append(f"{words} at {'all' if count == size else count} of {size}")
+    return ", ".join(said) + (" points" if said else "")
 
 
 def kinds_of_points(doubts: Iterable[Doubt], shape: tuple[int, ...]) -> np.ndarray:

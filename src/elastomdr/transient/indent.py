@@ -152,6 +152,10 @@ class Indentation(AbstractHistory):
             np.asarray(self.depth), np.asarray(self.force), r, float(time), field_name
         )
 
+    def told(self) -> str:
+        """The depth under a load, the force under a depth."""
+        return "depth" if "load" in dict(self.inputs) else self.shows
+
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Largest depth and force, and what is left at the end."""
         yield "plan", str(self.plan)
