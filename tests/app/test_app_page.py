@@ -18,6 +18,7 @@ import elastomdr as em
 from elastomdr.app.scene import bundle, compute
 from elastomdr.app.security import Folder
 
+from ..refused import mentions
 from .simulated import simulated, until
 
 SAMPLE = Path(__file__).parents[2] / "examples" / "data"
@@ -153,7 +154,7 @@ def test_an_answer_fits_what_was_dropped(tmp_path):
         # an entry that is not fitted yet; a typed answer
         rubber.form.set("poisson", "5")
         page.screen("Friction").look()
-        assert "Here the rubber is dma-q800." in page.screen("Friction")._unfitted.text
+        assert mentions(page.screen("Friction")._unfitted.text, "dma-q800", "rubber")
         await rubber.fit()
         assert "poisson" in errors(rubber.form)
         assert friction._unfitted.visible
@@ -564,7 +565,7 @@ def test_a_reading_of_a_curve():
     (between,) = _readings(result, 0.3)
     assert between.endswith("without a bound of the model")
     (beyond,) = _readings(result, 1e3)
-    assert "without a bound of the model, extrapolated" in beyond
+    assert mentions(beyond, "without a bound", "extrapolated")
 
 
 def sheared():
@@ -590,7 +591,7 @@ def test_no_number_with_a_part_of_its_uncertainty():
     *tops, sure, surer = cards(result)
     for i, top in enumerate(tops):
         assert top.number == f"{result.mu[i, 0]:.3g}"
-        assert "no bound of the model is known here" in top.notes
+        assert mentions(top.notes, "no bound of the model")
     assert sure.number == "not known"
     count = int(np.isnan(result.model_error).sum())
     assert f"no bound of the model: {count} of 10 points" in sure.notes
@@ -613,13 +614,11 @@ def test_what_dominates_comes_first():
     assert sure.notes[0].startswith(f"road {100 * at_peak:.2g} %: shortest wave")
     assert surer.notes[0].startswith("The shortest wave")
     assert "rubber: not computed" in sure.notes
-    assert "The adhesive shear of the real contact, where the road is dry." in (
-        surer.notes
-    )
+    assert mentions(surer.notes, "shear of the real contact")
     *_, sure, surer = cards(sheared(), sheared().uncertainty())
     assert sure.number == "not known"
-    assert "model: no bound is known here" in sure.notes
-    assert "A shear law fitted to measured friction." in surer.notes
+    assert mentions(sure.notes, "model: no bound")
+    assert mentions(surer.notes, "measured friction")
 
 
 def test_cards_and_readings_of_draws_are_of_their_median(tmp_path):
@@ -685,7 +684,7 @@ def test_every_kind_of_doubt_is_on_the_cards():
     assert sum("2 of 4 points" in note for note in sure.notes) == len(kinds)
     for kind in kinds[1:]:
         assert f"No {kind}." in surer.notes
-    assert "Moduli measured at more temperatures and frequencies." in surer.notes
+    assert mentions(surer.notes, "Moduli measured at more")
 
 
 def test_the_slider_of_the_temperature_shows_tenths():
@@ -721,7 +720,7 @@ def test_card_says_what_is_not_known_of_the_rubber():
     _, sure, surer = cards(em.rolling(rubber, roller, load=100.0, **point))
     assert sure.notes[0].startswith("computation below")
     assert sure.notes[1] == "uncertainty of the rubber: not computed"
-    assert "The uncertainty of the rubber, which is" in " ".join(surer.notes)
+    assert mentions(surer.notes, "uncertainty of the rubber")
     road = em.SelfAffine(0.8, rms_slope=0.7, q_low=1e3, q_high=1e5)
     _, sure, _ = cards(em.friction(rubber, road, pressure=3e5, **point))
     assert sure.notes[0].startswith("computation and fit of the rubber")

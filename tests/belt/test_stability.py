@@ -9,7 +9,7 @@ import pytest
 import elastomdr as em
 from elastomdr.belt.stability import unstable_ranges
 
-from ..refused import refused
+from ..refused import mentions, refused
 
 MOUNT = em.Mount(2.0, 8e4, 5.0)
 # 1/m, s, N: one wave in full contact, F = HIGH x/(1 + x^2), x = K v TAU
@@ -74,9 +74,7 @@ def test_error_covers_the_differences():
     holed = em.stability(MOUNT, velocity=SPEED, force=hole, wavelength=1e-3)
     assert np.flatnonzero(~holed.converged).tolist() == [8, 9, 10]
     np.testing.assert_array_equal(np.isfinite(holed.error), holed.converged)
-    assert (
-        "1 of 81 forces; the ratio there and beside them is left out" in holed.summary()
-    )
+    assert "1 of 81 forces" in holed.summary()
 
 
 def peaked(v):  # F [N] and dF/d ln v
@@ -107,13 +105,11 @@ def test_a_hole_is_local():
     found = em.stability(MOUNT, velocity=v, force=drag, wavelength=1e-3)
     assert np.flatnonzero(~found.converged).tolist() == [3, 4, 5]
     np.testing.assert_array_equal(np.isfinite(found.error), found.converged)
-    assert (
-        "1 of 9 forces; the ratio there and beside them is left out" in found.summary()
-    )
+    assert "1 of 9 forces" in found.summary()
     # no four neighbours are left
     holes = np.where(np.arange(9) % 4 == 3, np.nan, 10 * v**-0.2)
     found = em.stability(MOUNT, velocity=v, force=holes, wavelength=1e-3)
-    assert "and its error at 3 others" in found.summary()
+    assert "3 others" in found.summary()
 
 
 def test_swings_that_grow_below_the_limit_too():
@@ -124,7 +120,7 @@ def test_swings_that_grow_below_the_limit_too():
     found = em.stability(
         em.Mount(2.0, 8e4, 0.1), velocity=v, force=10 * v**-0.2, wavelength=1e-3
     )
-    assert "swings grow from below 0.2 to 1 m/s" in found.summary()
+    assert mentions(found.summary(), 0.2, 1, "m/s")
 
 
 def test_levels_of_a_constant_force_are_named():
@@ -162,7 +158,7 @@ def test_table_summary_and_figure(tmp_path):
     slow = em.stability(
         em.Mount(2.0, 8e6, 5.0), velocity=SPEED, force=force(SPEED), wavelength=1e-3
     )
-    assert "the ratio decides at none of these velocities" in slow.summary()
+    assert "none of these velocities" in slow.summary()
     found.to_csv(tmp_path / "drive.csv")
     text = (tmp_path / "drive.csv").read_text()
     for said in (

@@ -15,6 +15,8 @@ from elastomdr.material.validity import Range, shared
 from elastomdr.results.base import Result
 from elastomdr.trees import replaced
 
+from ..refused import mentions, warned
+
 LAW = em.WLF(6.0, 110.0, 293.15)
 LIMITS = {"omega": (1.0, 1e3), "temperature": (273.15, 313.15)}
 RUBBER = em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1], shift=LAW, name="rubber", range=LIMITS)
@@ -45,7 +47,7 @@ def test_every_point_is_flagged_by_the_frequency_of_its_passage(curve):
     assert "(extrapolated)" in found.summary()
     text = found.csv()
     assert any(line.startswith("# extrapolated: ") for line in text.splitlines())
-    assert "beyond the range of the material" in text
+    assert "beyond the range" in text
     assert [line.get_linestyle() for line in found.plot().lines[:2]] == ["-", ":"]
 
 
@@ -104,10 +106,7 @@ def test_temperatures_shift_the_frequency_and_have_a_range_of_their_own():
     length = found.contact.leading + found.contact.trailing
     rate = 4 * VELOCITY[:8] * np.asarray(LAW.a(kelvin)) / length
     np.testing.assert_array_equal(found.extrapolated, (rate < 4.0) | (rate > 1e3))
-    with pytest.warns(
-        em.ExtrapolationWarning,
-        match="16 of 16 points .* from 320 to 330 K, range 273.15 to 313.15 K",
-    ):
+    with warned(em.ExtrapolationWarning, "16 of 16", 320, 330, 273.15, 313.15):
         hot = em.friction(
             RUBBER,
             BALL,
@@ -124,10 +123,7 @@ def test_a_material_brought_to_a_temperature_keeps_its_range():
     np.testing.assert_allclose(cold.range.omega, (1 / a, 1e3 / a))
     assert cold.range.temperature is None
     assert cold.range.beyond == ""
-    with pytest.warns(
-        em.ExtrapolationWarning,
-        match="2 of 2 points .* temperature 350 K, range 273.15 to 313.15 K",
-    ):
+    with warned(em.ExtrapolationWarning, "2 of 2", 350, 273.15, 313.15):
         em.friction(RUBBER.at(350.0), BALL, velocity=[0.1, 0.2], **SCENE)
 
 
@@ -149,7 +145,7 @@ def test_an_assumed_range_is_noted_without_a_warning():
         warnings.simplefilter("error")
         found = em.friction(rubber, BALL, velocity=VELOCITY, **SCENE)
     assert found.extrapolated.any()
-    assert "points lie beyond the range" in found.summary()
+    assert "points lie beyond" in found.summary()
 
 
 def test_two_bodies_and_layers():
@@ -186,9 +182,7 @@ def test_the_plan_and_the_command_line_say_it(tmp_path, monkeypatch, capsys):
     )
     monkeypatch.chdir(tmp_path)
     assert main(["plan", "fast.toml"]) == 0
-    assert (
-        "beyond the range of the material, 1 to 1e+03 rad/s" in capsys.readouterr().out
-    )
+    assert mentions(capsys.readouterr().out, "beyond the range", 1, 1e03, "rad/s")
     assert main(["friction", "fast.toml"]) == 0
     out, err = capsys.readouterr()
     assert "extrapolated" in out
@@ -233,10 +227,7 @@ def test_a_rough_surface_at_temperatures_that_were_not_measured():
     for body in (surface, surface.line(samples=64)):
         length = None if body is surface else 1e-3
         model = em.Line(equivalent_length=length)
-        with pytest.warns(
-            em.ExtrapolationWarning,
-            match="1 of 2 points .* from 293.15 to 350 K, range 273.15 to 313.15",
-        ):
+        with warned(em.ExtrapolationWarning, 1, 2, 293.15, 350, 273.15, 313.15):
             found = em.friction(rubber, body, temperature=kelvin, model=model, **asked)
         assert found.extrapolated.tolist() == [False, True]
     with pytest.warns(
@@ -286,17 +277,14 @@ class TestHistories:
     @pytest.mark.parametrize("what", [{"depth": 1e-5}, {"load": 1e-3}])
     def test_a_step_is_known_by_its_age(self, what):
         time = np.append(0.0, np.geomspace(1e-4, 10.0, 41))
-        with pytest.warns(
-            em.ExtrapolationWarning,
-            match="within 0.001 s decides.* after more than 1 s",
-        ) as caught:
+        with warned(em.ExtrapolationWarning, 0.001, 1) as caught:
             found = em.indent(self.rubber, BALL, time=time, **what)
         assert len(caught) == 1
         np.testing.assert_array_equal(
             found.extrapolated, (time < 0.99e-3) | (time > 1.01)
         )
         assert str(caught[0].message).rstrip(".") in found.summary()
-        assert "beyond the range of the material" in found.csv()
+        assert "beyond the range" in found.csv()
         assert {":", "-"} == {line.get_linestyle() for line in found.plot().lines}
 
     def test_temperature_shifts_the_ages(self):
@@ -316,10 +304,7 @@ class TestHistories:
         )
         np.testing.assert_array_equal(found.extrapolated, brought.extrapolated)
         rubber = em.Prony(1e6, [4e6], [1e-3], shift=LAW, range=LIMITS)
-        with pytest.warns(
-            em.ExtrapolationWarning,
-            match="temperature from 350 to 350 K, range 273.15 to 313.15 K",
-        ):
+        with warned(em.ExtrapolationWarning, 350, 273.15, 313.15):
             assert em.indent(
                 rubber, BALL, time=[0.0, 1.0], depth=[0, 1e-5], temperature=350.0
             ).extrapolated.all()
@@ -637,7 +622,7 @@ def test_every_result_says_where_it_is_extrapolated(name):
     assert found.extrapolated.any()
     assert "range of the data" not in found.summary()
     assert "extrapolated" in [doubt.kind for doubt in found.doubts]
-    assert "beyond the range of the material" in found.csv()
+    assert "beyond the range" in found.csv()
 
 
 @pytest.mark.filterwarnings("ignore")
@@ -665,7 +650,7 @@ def test_every_result_says_that_its_rubber_is_illustrative(name):
 def test_a_result_without_a_range_says_that_nothing_is_marked(name):
     found = OUTSIDE[name](NO_RANGE)
     assert found.extrapolated is None
-    assert "not known: no point is marked as extrapolated" in found.summary()
+    assert "marked as extrapolated" in found.summary()
 
 
 @pytest.mark.filterwarnings("ignore")
@@ -687,7 +672,7 @@ def test_what_looks_at_no_range_says_why(name):
 
 def test_a_cord_held_for_ten_years_is_beyond_data_of_minutes():
     rubber = em.load_material("epdm-70")
-    with pytest.warns(em.ExtrapolationWarning, match="the time held means frequencies"):
+    with warned(em.ExtrapolationWarning, "time held means"):
         found = em.o_ring(rubber, 5e-3, 0.15, time=[10.0, 3.156e8], temperature=293.15)
     assert found.extrapolated.tolist() == [False, True]
     with pytest.warns(em.ExtrapolationWarning, match="held for ever"):

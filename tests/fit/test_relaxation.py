@@ -11,6 +11,8 @@ from elastomdr.fit.series import _widest
 from elastomdr.material.check import check_material
 from elastomdr.material.validity import Range, as_range, shared
 
+from ..refused import mentions
+
 # What is doubted is asserted where a test is about it.
 pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
 
@@ -71,7 +73,7 @@ def test_a_range_that_is_empty_is_said_and_kept(tmp_path):
     fit = fitted(em.load_material("sbr-gum-like"), 0.01, 0)
     assert fit.material.range.omega == ()
     assert any("the range of the material is empty" in text for text in fit.warnings)
-    assert "known to 6 % over no half decade: at best to +- " in fit.summary()
+    assert mentions(fit.summary(), 6, "half decade")
     em.save_material(fit.material, tmp_path / "r.toml", info=fit.info() | {"name": "r"})
     material = em.load_material(tmp_path / "r.toml")
     assert material.range == fit.material.range
@@ -87,7 +89,7 @@ def test_a_range_that_is_empty_is_said_and_kept(tmp_path):
         curve = em.friction(material, em.Paraboloid(5e-3), **scene)
     assert curve.converged.all()
     assert curve.extrapolated.all()
-    assert "range of the material is empty" in str(curve.plan)
+    assert mentions(curve.plan, "range", "is empty")
     rough = {
         "velocity": 1e-2,
         "pressure": 1e5,

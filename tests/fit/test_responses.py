@@ -9,7 +9,7 @@ import elastomdr as em
 from elastomdr.cli.main import main
 
 from ..io.test_read_instruments import RUBBER, table
-from ..refused import refused
+from ..refused import mentions, refused, warned
 
 # What is doubted is asserted where a test is about it.
 pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
@@ -104,7 +104,7 @@ def test_creep_becomes_a_material(write):
     np.testing.assert_allclose(
         np.asarray(fit.material.creep_compliance(t)), true, rtol=0.05
     )
-    assert "as relaxation by the spectrum" in fit.summary()
+    assert "as relaxation" in fit.summary()
 
 
 def test_creep_of_reptate(tmp_path):
@@ -135,9 +135,7 @@ def test_a_ramp_is_convolved(write):
     )
     fit = em.fit.material(em.read_dma(path, ramp=ramp), 293.15)
     assert off(fit) < 0.03
-    with pytest.warns(
-        em.fit.FitWarning, match="points within the ramp of 5 s left out"
-    ):
+    with warned(em.fit.FitWarning, 5, "points within"):
         em.read_dma(path, ramp=5.0)
     with refused("", "point"):
         em.read_dma(path, ramp=5000.0)
@@ -173,9 +171,7 @@ def test_a_storage_modulus_alone(write):
     storage = np.concatenate(
         [np.asarray(RUBBER.at(c + 273.15).storage(2 * np.pi * hertz)) for c in CELSIUS]
     )
-    with pytest.warns(
-        em.fit.FitWarning, match="no loss modulus: the fit takes it from the spectrum"
-    ):
+    with warned(em.fit.FitWarning, "no loss modulus"):
         dma = em.read_dma(write(table("T [degC],f [Hz],E' [Pa]", t, f, storage)))
     fit = em.fit.material(dma, 293.15)
     omega = np.geomspace(*fit.master.window, 30)
@@ -205,12 +201,6 @@ def test_the_command_line(tmp_path, monkeypatch, capsys):
         table("T [degC],t [s],E(t) [MPa]", T, TIME, after_ramp(1.0) / 1e6)
     )
     assert main(["fit", "ramp.csv", "--ramp", "1s", "--reference", "20degC"]) == 0
-    assert (
-        "relaxation after a ramp of 1 s, as relaxation by the spectrum"
-        in capsys.readouterr().out
-    )
+    assert mentions(capsys.readouterr().out, 1, "relaxation after")
     assert main(["fit", "ramp.csv", "--ramp", "fast"]) == 2
-    assert (
-        '--ramp must be a time with its unit, such as "10 s", got "fast"'
-        in capsys.readouterr().err
-    )
+    assert mentions(capsys.readouterr().err, "--ramp", '"10 s"', '"fast"')

@@ -13,7 +13,7 @@ from elastomdr.cli.main import main
 from elastomdr.fit import FitWarning
 from elastomdr.io.surface import without_dropouts
 
-from ..refused import refused
+from ..refused import refused, warned
 
 STEP = 1e-5  # [m]
 
@@ -87,7 +87,7 @@ def test_few_codes_next_to_the_lowest_height(tmp_path):
     counts[1000:1020] = -32768
     file = tmp_path / "heights.txt"
     file.write_text("\n".join(f"{x:.0f}" for x in counts))
-    with pytest.warns(FitWarning, match="20 of 4096 points are dropouts, 20 times"):
+    with warned(FitWarning, 20, 4096):
         em.read_surface(file, pixel_size=STEP, unit="nm")
 
 
@@ -122,10 +122,7 @@ def test_dropouts_in_files_are_found_before_points_are_sorted_and_averaged(
     rows = np.column_stack([*place, damaged.ravel()])
     np.random.default_rng(0).shuffle(rows)
     np.savetxt(tmp_path / "scan.csv", rows, delimiter=",", header=titles, comments="")
-    with pytest.warns(
-        FitWarning,
-        match=r"scan\.csv: 10 of .* points are dropouts, 10 times -0\.009999 m",
-    ):
+    with warned(FitWarning, "scan.csv", 10, -0.009999):
         got = em.read_surface(tmp_path / "scan.csv")
     clean = em.read_surface(height, pixel_size=STEP)
     np.testing.assert_allclose(got.c, clean.c, rtol=0.05)

@@ -14,7 +14,7 @@ from elastomdr.cli.fit import _column
 from elastomdr.cli.main import main
 from elastomdr.fit import FitWarning
 
-from ..refused import refused
+from ..refused import mentions, refused
 
 F = np.geomspace(0.1, 100.0, 30)
 STORAGE, LOSS = 1 + F**0.3, 0.2 * F**0.3  # MPa
@@ -254,7 +254,4 @@ def test_marks_of_windows_editors(encoding, tmp_path, capsys):
 def test_a_scene_that_is_no_utf8_says_what_to_do(tmp_path, capsys):
     (tmp_path / "scene.toml").write_bytes('# 20 °C\nmaterial = "x"\n'.encode("cp1252"))
     assert main(["plan", str(tmp_path / "scene.toml")]) == 2
-    assert (
-        "must be UTF-8 text, which line 1 is not: save it as UTF-8."
-        in capsys.readouterr().err
-    )
+    assert mentions(capsys.readouterr().err, "UTF-8", 1)

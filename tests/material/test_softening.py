@@ -16,7 +16,7 @@ from elastomdr.material.check import check_material
 from elastomdr.material.library import load_material, save_material
 from elastomdr.rough.multiscale import FORM
 
-from ..refused import refused
+from ..refused import mentions, refused, warned
 
 STRAIN, STORAGE, LOSS = (
     [1e-3, 1e-2, 0.1, 1.0],
@@ -142,7 +142,7 @@ def test_files_carry_it(tmp_path):
     for key in ("strain", "storage", "loss"):
         np.testing.assert_array_equal(getattr(back, key), getattr(PAYNE, key))
     text = path.read_text()
-    assert "factors on the loss modulus" in text
+    assert "factors on the loss" in text
     assert "loss moduli [Pa]" not in text
     path.write_text(text.replace("    0.4,", "    0.6,"))
     with refused("", "filled.toml", "softening"):
@@ -164,19 +164,13 @@ def test_the_check_wants_its_source_and_a_sweep_from_small_strain(tmp_path):
         path,
     )
     findings = "\n".join(check_material(path))
-    assert "citation is missing in [source.softening]" in findings
-    assert (
-        "storage[0] in [softening], at the smallest strain, is 0.4, outside 0.5 to 2"
-        in findings
-    )
+    assert mentions(findings, "citation", "[source.softening]")
+    assert mentions(findings, 0.4, 0.5, 2)
 
 
 def test_cards_say_that_they_are_of_small_strain():
     for card in (abaqus_card(rubber()), plain_card(rubber())):
-        assert (
-            "softening (storage modulus times 0.4 at 1) has no place in this card"
-            in card
-        )
+        assert mentions(card, 0.4, 1)
 
 
 KRAUS = np.geomspace(1e-4, 3.0, 160)
@@ -342,7 +336,7 @@ def test_factors_of_one_change_nothing(model):
 
 def test_even_factors_are_a_softer_rubber():
     half = em.Softening([1e-9, 1e-8], [0.5, 0.5], [0.5, 0.5])
-    with pytest.warns(em.ExtrapolationWarning, match="on a sweep that ends at 1e-08"):
+    with warned(em.ExtrapolationWarning, 1e-08, "sweep"):
         curve = em.friction(of_rubber(half), ROAD, velocity=0.1, pressure=1e5)
     softer = em.Prony(0.5e6, BRANCHES[0] / 8, BRANCHES[1])
     assert curve.mu == pytest.approx(
@@ -368,7 +362,7 @@ def test_models_that_are_linear_say_so():
     )
     assert curve.mu == straight.mu
     assert np.isnan(curve.model_error)
-    assert "linear: softening with strain left out" in curve.model
+    assert "strain left out" in curve.model
     assert "this model is linear" in curve.summary()
 
 
@@ -423,7 +417,7 @@ def test_a_list_of_materials_and_a_scene(tmp_path):
 def test_measured_factors_may_rise_by_noise():
     """The nearest factors that fall, in least squares, are taken, and it is said."""
     strain, loss = [1e-3, 1e-2, 0.1, 1.0], [1.0, 1.0, 1.0, 0.8]
-    with pytest.warns(em.ModelWarning, match=r"up to 2\.0% from what was given"):
+    with warned(em.ModelWarning, "2.0%"):
         noisy = em.Softening(strain, [0.98, 1.02, 0.7, 0.72], loss)
     np.testing.assert_allclose(noisy.storage, [1.0, 1.0, 0.71, 0.71], rtol=1e-12)
     em.Softening(strain, noisy.storage, loss)  # as a file of it is read: no warning

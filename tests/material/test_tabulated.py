@@ -21,7 +21,7 @@ from elastomdr.material.library import material_info
 from elastomdr.material.validity import Range, misfit, misfit_bands, shared
 
 from ..io.dma_files import RUBBER, data
-from ..refused import refused
+from ..refused import mentions, refused
 
 DATA = Path(
     os.environ.get(
@@ -328,12 +328,12 @@ def test_what_has_a_history_or_a_smooth_body_refuses_it(verb, table):
         with pytest.raises(InputError) as error:
             REFUSED[verb](body)
         said = str(error.value)
-        assert " must be a Prony series for " in said
+        assert "a Prony series" in said
         assert (
             f"got Tabulated{'Modulus' if body is table else 'Foundation'}('table'"
             in said
         )
-        assert "fit one with em.fit.prony(omega, storage, loss)" in said
+        assert mentions(said, "em.fit.prony")
         assert "\n" not in said
 
 
@@ -504,8 +504,8 @@ def test_the_check_of_a_table(tmp_path):
         path,
     )
     findings = " | ".join(check_material(path))
-    assert "the storage modulus falls by 50% up to 1 rad/s" in findings
-    assert "the range is wider than the table" in findings
+    assert mentions(findings, "50%", 1, "rad/s")
+    assert "range is wider" in findings
 
 
 def test_misfit():

@@ -10,7 +10,7 @@ import elastomdr as em
 from elastomdr.reference import half_plane_sliding, half_space, half_space_sliding
 from elastomdr.rough import half_space as solver
 
-from ..refused import refused
+from ..refused import refused, warned
 
 STIFF = em.Foundation(4e6, [36e6], [1e-3])
 BALL, LOAD = em.Paraboloid(0.01), 10.0
@@ -312,7 +312,7 @@ def test_cells_under_a_body_are_the_reference_and_close_to_the_line_in_area():
     # an asymmetric contact
     assert 0.01 < abs(off) < 0.2 * (1 - line.contact.trailing / line.contact.leading)
     assert abs(line.mu - cells.mu) < line.model_error + cells.error
-    assert "softening with strain left out" in cells.model
+    assert "strain left out" in cells.model
     assert cells.hysteresis == half_space_sliding(solid, BALL, **scene).mu
 
 
@@ -398,7 +398,7 @@ def test_what_is_not_resolved_is_flagged(monkeypatch):
     # than three pivots.
     monkeypatch.setattr(half_space, "LEADS", (0.0,))
     monkeypatch.setattr(solver, "_PIVOTS", 3)
-    with pytest.warns(em.ConvergenceWarning, match="1 of 1 contacts did not converge"):
+    with warned(em.ConvergenceWarning, "1 of 1"):
         got = half_space_sliding(one_time(4e9), BALL, velocity=1e-2, load=LOAD)
     assert np.isnan(got.mu)
     assert not got.converged

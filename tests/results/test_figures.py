@@ -422,7 +422,7 @@ def test_figures_name_rubbers_whose_moduli_are_illustrative():
     assert "moduli: illustrative" in figure.layout.title.text
     ranking = friction("silicone-like", "epdm-70").ranking()
     assert "silicone-like: moduli: illustrative" in above(ranking.plot())
-    assert "silicone-like, illustrative: rest on moduli" in ranking.summary()
+    assert "silicone-like, illustrative" in ranking.summary()
     assert "illustrative" not in friction("epdm-70", "psa-468mp").ranking().summary()
 
 
@@ -433,4 +433,4 @@ def test_a_ring_on_a_rod_says_that_its_rubber_is_illustrative():
     strokes = em.reciprocating(rubber, o_ring=ring, viscosity=0.05, **motion)
     words = " ".join(text.get_text() for text in strokes.plot().texts)
     assert "moduli: illustrative" in words
-    assert "illustrative, of no particular rubber" in strokes.summary()
+    assert "no particular rubber" in strokes.summary()

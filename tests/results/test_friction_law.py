@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 import elastomdr as em
 
-from ..refused import refused
+from ..refused import mentions, refused
 
 V, T, P = (
     np.geomspace(1e-3, 30, 7),
@@ -72,7 +72,7 @@ def test_points_beyond_the_range_of_the_rubber_stay_marked(tmp_path):
         tangential=em.Foundation(3e6, [], []),
     )
     np.testing.assert_array_equal(braked.extrapolated, [True, False, False, True])
-    assert "2 of 4 points lie beyond the range of the material" in braked.summary()
+    assert mentions(braked.summary(), "2 of 4 points", "beyond the range")
     assert LAW.extrapolated is None
     wrong = em.Doubt("extrapolated", np.array([True]))
     with refused("doubts", "points"):

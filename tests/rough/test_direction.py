@@ -95,7 +95,7 @@ def test_the_bound_holds_the_sampling_error_of_a_lay(peklenik):
         added = sampled.model_error - without.model_error
         assert (added > 0).all()
         assert (np.abs(sampled.mu - exact.mu) <= added).all()
-        assert "within the sampling error of the lay" in sampled.summary()
+        assert "sampling error" in sampled.summary()
         assert "sampling error" not in without.summary()
 
 
@@ -153,7 +153,7 @@ def test_random_maps_of_a_measured_surface_have_a_bound():
         )
         assert directed.mu == exact.mu
         assert directed.model_error > exact.model_error > 0
-        assert "which the model error holds" in directed.summary()
+        assert "model error" in directed.summary()
 
 
 def test_draws_keep_the_limits_of_the_model():
@@ -180,7 +180,7 @@ def test_draws_vary_lay_and_skewness():
         ground(4.0), lay=lay, skewness=-0.2, skewness_error=0.3
     )
     draws = surface.draws(400, level=0.1, seed=3)
-    assert "skewness and Peklenik number within" in draws.words
+    assert "Peklenik number within" in draws.words
     off = [draw.lay.log_peklenik - lay.log_peklenik for draw in draws]
     skewness = [draw.skewness for draw in draws]
     # standard deviations of 400 draws are within 4 / sqrt(800) of themselves
@@ -198,7 +198,7 @@ def test_a_plan_and_a_scene_have_the_direction(tmp_path):
     at = {"velocity": 1e-2, "pressure": 1e5, "direction": [0.0, 1.0]}
     plan = em.plan(SOLID, ground(4.0), **at)
     assert plan.points == 2
-    assert "averaged over the angle to the lay" in str(plan)
+    assert "angle to the lay" in str(plan)
 
     heights, side = em.reference.rough_map(ground(4.0), periods=2, points=64)
     np.savetxt(tmp_path / "ground.txt", heights)
@@ -280,7 +280,7 @@ def test_a_worn_map_itself():
     assert curve.mu == pytest.approx(truth, rel=0.04)
     assert abs(curve.mu - truth) < curve.error
     assert em.friction(SOLID, worn, **at).mu > 1.3 * truth
-    assert "the measured map on 64 by 64 cells" in curve.summary()
+    assert "64 by 64 cells" in curve.summary()
 
 
 @pytest.mark.filterwarnings("ignore:the surface is not isotropic")
@@ -305,7 +305,7 @@ def test_a_piece_of_a_ground_surface():
         curve = em.friction(SOLID, surface, **at, pressure=pressures)
         assert curve.converged.all()
         assert (np.abs(curve.mu - truth) < curve.error).all()
-        assert "more mean square slope along the motion" in curve.summary()
+        assert "more mean square" in curve.summary()
     with pytest.warns(em.ConvergenceWarning, match="a larger map, more pressure"):
         light = em.friction(SOLID, surface, **at, pressure=[5e2, 1e5])
     np.testing.assert_array_equal(light.converged, [False, True])

@@ -244,7 +244,7 @@ def test_hot_friction_is_that_of_its_temperatures():
     # between body and contact
     assert ((curve.mu - hottest) * (curve.mu - body) <= 1e-9).all()
     assert "rise by wavelength" in curve.summary()
-    assert "temperature for each length scale" in curve.model
+    assert "each length scale" in curve.model
 
 
 def test_limits_of_temperature():

@@ -136,7 +136,7 @@ def test_contact_along_the_line():
         2 * (got.x[1] - got.x[0])
     )
     np.testing.assert_allclose(-(got.force * slope).mean() / load, heat, rtol=0.02)
-    assert "not the real contact area" in got.summary()
+    assert "not the real contact" in got.summary()
     assert got.csv().count("True") > got.touching.sum()
     axes = got.plot()
     assert len(axes.lines) == 4
@@ -387,7 +387,7 @@ def test_scene(tmp_path, capsys, monkeypatch):
     for word in ("rms height", "rms slope", "cutoffs", "2 pi/q_low"):
         assert word in said
     table = (tmp_path / "road-friction.csv").read_text()
-    assert "not the real contact area" in table
+    assert "not the real contact" in table
     assert (tmp_path / "road-friction.png").stat().st_size > 10_000
     assert main(["plan", str(scene)]) == 0
     assert "periodic states" in capsys.readouterr().out

@@ -260,7 +260,7 @@ def test_two_ribs_hold_the_fluid_between_them():
     assert found.fluid_pressure(0.48 * LENGTH) == pytest.approx(float(valley))
     assert 0 < valley < 2.5e5
     assert found.lifted > 0.1 * LENGTH
-    assert "the fluid presses harder than the rubber" in found.summary()
+    assert "fluid presses harder" in found.summary()
 
 
 def test_the_bound_is_that_of_what_contact_bears():

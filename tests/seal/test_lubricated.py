@@ -15,7 +15,7 @@ from elastomdr.seal import film, lubricated
 from elastomdr.seal.response import bodies_of, response
 from elastomdr.seal.roughness import pressed
 
-from ..refused import refused
+from ..refused import refused, warned
 
 RUBBER = em.Prony(1e6, [3e6, 2e6], [1e-4, 1e-2], name="rubber")
 BODIES = bodies_of(em.Prony(0.25, [], []))  # E* = 1 Pa
@@ -197,7 +197,7 @@ def test_liquid_that_closed_channels_trap_is_in_doubt():
     kept = 0.1110  # at 1e-12 N/m with a thousandth of the floor
     assert abs(wet.mu[0] - kept) < wet.trapped_error[0]
     assert wet.trapped_error[1] == wet.trapped_share[1] == 0
-    assert "at 1 of 2 points, and liquid in them may stay or leave" in wet.summary()
+    assert "at 1 of 2 points" in wet.summary()
     assert len(wet.plot().collections) == 1
 
 
@@ -373,7 +373,7 @@ def test_a_film_thinner_than_any_rod_is_smooth_is_not_known():
     """Of 6 nm, whose shear is a thousandth of that of a real contact."""
     speed = np.array([1e-4, 1e-3, 0.3])
     motion = STROKES | {"velocity_out": speed, "velocity_in": 0.3, "viscosity": 0.1}
-    with pytest.warns(em.ModelWarning, match="film of the stroke out of 1.5e-08 m"):
+    with warned(em.ModelWarning, 1.5e-08, "stroke out"):
         found = em.reciprocating(RUBBER, o_ring=RING, **motion)
     for name in ("film_out", "friction_out", "net_leak", "work", "error"):
         known = np.isfinite(getattr(found, name)).tolist()
@@ -384,7 +384,7 @@ def test_a_film_thinner_than_any_rod_is_smooth_is_not_known():
     doubt = next(d for d in found.doubts if "three rms heights" in d.says)
     assert doubt.kind == "no prediction"
     assert doubt.points.tolist() == [True, True, False]
-    assert "less than three rms heights of the smoothest rods" in found.summary()
+    assert "three rms heights" in found.summary()
     oils = {"velocity_in": speed, "viscosity": 0.1 * 0.3 / speed}  # the same eta U
     thick = em.reciprocating(RUBBER, o_ring=RING, **motion | oils)
     np.testing.assert_allclose(thick.film_out, found.film_out[2], rtol=1e-9)
@@ -394,7 +394,7 @@ def test_a_film_thinner_than_any_rod_is_smooth_is_not_known():
 def test_friction_never_drives_the_rod():
     """Where the fall of pressure in the film exceeds its shear, by the rule."""
     ring = em.o_ring(RUBBER, 5e-3, 0.15, fluid_pressure=1e8)
-    with pytest.warns(em.ModelWarning, match="would drive the stroke out"):
+    with warned(em.ModelWarning, "would drive"):
         found = em.reciprocating(RUBBER, o_ring=ring, **STROKES | {"viscosity": 10.0})
     assert np.isnan(found.friction_out)
     assert np.isfinite(found.film_out)

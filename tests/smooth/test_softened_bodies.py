@@ -142,7 +142,7 @@ def test_on_a_layer_the_strain_is_its_compression():
 
 def test_what_stays_linear_says_so():
     found = em.dissipation(solid(SOFT), em.Paraboloid(0.01), velocity=0.01, load=1.0)
-    assert "left out: moduli of small strain" in found.summary()
+    assert "small strain" in found.summary()
 
 
 def test_strains_beyond_the_sweep_are_flagged():

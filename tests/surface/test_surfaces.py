@@ -15,7 +15,7 @@ from scipy.special import gamma
 import elastomdr as em
 from elastomdr.surface.spectrum import synthesise
 
-from ..refused import refused
+from ..refused import mentions, refused, warned
 
 TABLE = np.array([1e3, 1e6])
 SURFACE = em.Spectrum(TABLE, 1e-17 * (TABLE / 1e3) ** -3.6, convention="2d")
@@ -337,7 +337,7 @@ def test_maps_with_flaws(tmp_path):
         np.concatenate([rows, rows[:500] + higher, rows[:500] - higher]),
     )
     np.testing.assert_allclose(again.c, clean.c, rtol=1e-9)
-    assert "1000 points at a place that came before: heights averaged" in again.report
+    assert mentions(again.report, 1000, "heights averaged")
 
     coarse = map_file(
         tmp_path / "map.csv",
@@ -422,7 +422,7 @@ def test_heights_and_slopes_of_data_and_spectrum(synthetic):
             slices(got.report, "rms slope"),
         )
         assert got.rms_height < got.measured_height
-        assert "of <h^2> is in waves longer than" in heights
+        assert mentions(heights, "<h^2>", "waves longer")
         assert "disagree" not in slope
         measured, expected = (
             float(text.split()[0]) for text in (slope[10:], slope.split(", ")[1])
@@ -435,7 +435,7 @@ def test_heights_and_slopes_of_data_and_spectrum(synthetic):
     # 49 of 65536 points make no skewness of their own
     assert abs(stepped.skewness - got.skewness) < 0.05
     (asymmetry,) = slices(stepped.report, "heights of these")
-    assert "49 of 65536 points stand more than 6 times" in asymmetry
+    assert mentions(asymmetry, 49, 65536, 6)
 
 
 @in_steps_of_one
@@ -443,7 +443,7 @@ def test_white_noise_is_cut_off(synthetic):
     height, step, factor, rolloff = synthetic.scan(2, "cut", 0.8, 0.25, seed=1)
     noisy = height + 0.1 * np.random.default_rng(0).standard_normal(height.shape)
     got = em.read_surface(noisy, pixel_size=step)
-    assert "white noise of the instrument" in got.report[0]
+    assert "white noise" in got.report[0]
     assert 4.5 < 2 * np.pi / got.q_high < 20
     ratio = got.c / (factor * synthetic.true(got.q, 0.8, rolloff))
     np.testing.assert_allclose(np.log(ratio[-6:]).mean(), 0, atol=0.15)
@@ -530,9 +530,7 @@ def test_lay_of_a_stretched_surface(synthetic):
     plain = em.read_surface(height, pixel_size=step)
     assert plain.lay is None
     assert not slices(plain.report, "the surface is not isotropic")
-    with pytest.warns(
-        UserWarning, match="not isotropic; its lay runs at (89|90|91) deg"
-    ):
+    with warned(UserWarning, "not isotropic", "lay runs at"):
         stretched = em.read_surface(height[::3], pixel_size=1.0)
     assert slices(stretched.report, "the surface is not isotropic")
     lay = stretched.lay

@@ -30,7 +30,7 @@ from elastomdr.sweeps import grid as grids
 from elastomdr.sweeps import run, store
 from elastomdr.sweeps.identity import described, difference, not_comparable
 
-from ..refused import refused
+from ..refused import mentions, refused, warned
 
 pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
 VELOCITY = np.logspace(-3, 1, 7)
@@ -879,10 +879,7 @@ def test_what_raises_keeps_its_message_and_stops_nothing(tmp_path, monkeypatch):
     assert np.isnan(found.mu[1]).all()
     assert not found.converged[1].any()
     assert np.isfinite(found.mu[[0, 2]]).all()
-    assert (
-        "material no such rubber: InputError: material must be"
-        in found.attrs["raised"][0]
-    )
+    assert mentions(found.attrs["raised"][0], "no such rubber", "InputError: material")
     assert len(found.attrs["raised"]) == 1
 
 
@@ -902,9 +899,7 @@ def test_points_that_do_not_converge_are_nan_and_flagged(tmp_path):
         "velocity": VELOCITY,
     }
     for _ in range(2):  # the second time from the store
-        with pytest.warns(
-            em.ConvergenceWarning, match="7 of 14 points did not converge; they are NaN"
-        ):
+        with warned(em.ConvergenceWarning, 7, 14):
             found = em.sweep(**scene(store=tmp_path / "runs.zarr", axes=axes, load=1.0))
     assert np.isnan(found.mu[0]).all()
     assert not found.converged[0].any()
@@ -1066,7 +1061,7 @@ def test_a_cluster_of_two(tmp_path, monkeypatch):
     with cluster, Client(cluster, timeout=1) as client:
         found = em.sweep(**scene(store=tmp_path / "runs.zarr", client=client))
         with (
-            pytest.warns(UserWarning, match="ReferenceType, which cannot be compared"),
+            warned(UserWarning, "ReferenceType"),
             refused("", "they can"),
         ):
             em.sweep(
@@ -1208,10 +1203,7 @@ def test_command(tmp_path, capsys):
         tmp_path, capsys, SCENE, "--table", str(tmp_path / "all.csv")
     )
     assert status == 0, said.err
-    assert (
-        "16 points (material 2, indenter.radius 2, temperature 2, velocity 2), 16 "
-        "converged"
-    ) in said.out
+    assert mentions(said.out, "16 points", "indenter.radius 2", "16 converged")
     found = xarray.open_zarr(tmp_path / "s.zarr")
     alone = em.friction(
         em.load_material("tread-winter-synthetic"),
@@ -1233,7 +1225,7 @@ def test_command(tmp_path, capsys):
     assert "# scene: scene.toml" in head
     assert "# title: Two treads" in head
     assert "# material: tread-passenger-synthetic, tread-winter-synthetic" in head
-    assert "# indenter: sphere, radius 0.005 m; sphere, radius 0.01 m" in head
+    assert mentions(head, 0.005, 0.01)
     status, said = command(
         tmp_path, capsys, SCENE, "--table", str(tmp_path / "all.xlsx")
     )
@@ -1253,7 +1245,7 @@ def test_command(tmp_path, capsys):
     )
     status, said = command(tmp_path, capsys, SCENE.replace("10 N", "11 N"))
     assert status == 2
-    assert "was made with other inputs" in said.err
+    assert "other inputs" in said.err
 
 
 def test_a_command_whose_calls_all_raise_says_what(tmp_path, capsys, monkeypatch):
@@ -1265,7 +1257,7 @@ def test_a_command_whose_calls_all_raise_says_what(tmp_path, capsys, monkeypatch
     status, said = command(tmp_path, capsys, ON_CELLS.format("half-space", 20))
     assert status == 3
     assert "no point was computed" in said.out
-    assert "cells must be more, got 4." in said.err
+    assert mentions(said.err, 4, "cells")
 
 
 def test_an_interrupted_command_on_cells_goes_on(tmp_path, capsys, monkeypatch):
@@ -1286,7 +1278,7 @@ def test_an_interrupted_command_on_cells_goes_on(tmp_path, capsys, monkeypatch):
         )
     said = capsys.readouterr().err
     assert said.count("\n") == 1
-    assert "nothing was written; `elastomdr sweep` keeps what is done" in said
+    assert "`elastomdr sweep` keeps" in said
     assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
     monkeypatch.setattr(run, "_cores", lambda: 1)
     done, computed = [], run.compute
@@ -1326,7 +1318,7 @@ def test_a_friction_map_in_one_command(tmp_path, capsys):
     assert status in (0, 3), said.err
     table = (tmp_path / "m.csv").read_text()
     assert "# material: tread-passenger-synthetic\n" in table
-    assert "# surface: self-affine surface, rms height" in table
+    assert "self-affine surface" in table
     assert "# title: Friction map of a synthetic tread compound\n" in table
     law = em.load_friction(tmp_path / "m.csv")
     assert law.mu.shape == (4, 3, 3)
@@ -1369,7 +1361,7 @@ def test_bad_scene(change, said, tmp_path, capsys):
 def test_no_cluster_there(tmp_path, capsys):
     status, told = command(tmp_path, capsys, SCENE, "--scheduler", "nonsense")
     assert status == 2
-    assert "--scheduler must be the address" in told.err
+    assert mentions(told.err, "--scheduler", "address")
 
 
 @pytest.mark.filterwarnings("ignore::elastomdr.ExtrapolationWarning")

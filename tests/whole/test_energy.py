@@ -17,6 +17,7 @@ from elastomdr.transient.body_motion import MotionScene, run
 from elastomdr.transient.body_over_line import indenter
 from elastomdr.transient.problem import Steps
 
+from ..refused import warned
 from .problems.indentation import BALL, PULSES, SOLID, TIMES, TWICE
 
 
@@ -301,9 +302,7 @@ def test_heat_that_is_not_resolved_is_not_told(monkeypatch):
     resolved = em.indent(rubber, em.Cylinder(0.01, 0.1), **scene)
     assert np.isfinite(resolved.dissipated).all()
     monkeypatch.setattr(load_steps, "_FINEST", 1)
-    with pytest.warns(
-        em.ConvergenceWarning, match="2 of 4 values of the heat did not converge"
-    ):
+    with warned(em.ConvergenceWarning, "2 of 4"):
         found = em.indent(rubber, em.Cylinder(0.01, 0.1), **scene)
     assert found.converged.all()
     np.testing.assert_allclose(

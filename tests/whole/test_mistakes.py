@@ -11,7 +11,7 @@ import elastomdr as em
 from elastomdr.cli.init import kinds
 from elastomdr.cli.main import main
 
-from ..refused import refused
+from ..refused import mentions, refused, warned
 
 SCENE = """
 material = "tread-passenger-synthetic"
@@ -93,10 +93,7 @@ def test_scenes(case, capsys):
 @pytest.mark.parametrize("slope", [0.05, 1.0])
 def test_pressure_in_megapascals(name, slope):
     road = em.SelfAffine(0.8, rms_slope=slope, q_low=1e3, q_high=1e5)
-    with pytest.warns(
-        em.ModelWarning,
-        match=r"pressure is taken in Pa.*If 0\.3 MPa are meant, write 300000",
-    ):
+    with warned(em.ModelWarning, 0.3, 300000):
         found = em.friction(em.load_material(name), road, velocity=0.01, pressure=0.3)
     assert found.converged
 
@@ -104,7 +101,7 @@ def test_pressure_in_megapascals(name, slope):
 def test_a_small_pressure_is_computed():
     """A small number is no unit: in light contact mu hardly depends on the pressure."""
     soft = em.StandardSolid(2e4, 2e5, 1e-3)
-    with pytest.warns(em.ModelWarning, match=r"1\.06 Pa give a real contact of 3e-05"):
+    with warned(em.ModelWarning, 1.06, 3e-05):
         low = em.friction(soft, ROAD, velocity=0.01, pressure=1.06)
     high = em.friction(soft, ROAD, velocity=0.01, pressure=10.6)
     assert low.mu == pytest.approx(float(high.mu), rel=0.1)
@@ -126,20 +123,14 @@ def test_radius_in_millimetres(shape, verb):
         "impact": {"mass": 1.0, "velocity": 1.0},
     }.get(verb, {"velocity": 0.01, "load": 1.0})
     rubber = em.StandardSolid(1e6, 1e6, 1e-2)
-    with pytest.warns(
-        em.ModelWarning,
-        match=r'is 5 m\. Radii are in metres: 5 mm are 0\.005 m \(in a scene "5 mm"\)',
-    ):
+    with warned(em.ModelWarning, 5, 0.005, '"5 mm"'):
         getattr(em, verb)(rubber, shape, **given)
 
 
 def test_radius_in_a_scene(capsys):
     Path("ball.toml").write_text(SCENE.replace('"5 mm"', '"5 m"'))
     assert main(["friction", "ball.toml"]) == 0
-    assert (
-        "warning: The radius of the sphere is 5 m. Radii are in metres: 5 mm"
-        in capsys.readouterr().err
-    )
+    assert mentions(capsys.readouterr().err, "warning", "radius of the sphere", 5)
 
 
 def test_material_that_is_not_there():
@@ -342,7 +333,4 @@ def test_shapes_that_do_not_fit_are_told_by_name():
 def test_a_key_that_belongs_elsewhere_and_is_misspelled(capsys):
     Path("ball.toml").write_text("frictoin = 0.5\n" + SCENE)
     assert main(["friction", "ball.toml"]) == 2
-    assert (
-        "frictoin is not known. Did you mean 'friction'? That key belongs to scenes of"
-        in capsys.readouterr().err
-    )
+    assert mentions(capsys.readouterr().err, "frictoin", "'friction'")
