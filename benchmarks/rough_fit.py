@@ -35,6 +35,7 @@ import elastomdr as em
 from elastomdr.rough import multiscale
 from elastomdr.rough.psd_integrals import nodes
 from elastomdr.rough.random_maps import full_contact
+from elastomdr.rough.road_model import RoadProblem
 
 BANDS = (0.0, 0.01, 0.05, 0.25, 0.75, 1.0)  # of real contact area
 # of the form, beside the uncertainty of the truth: keeps single points from deciding
@@ -88,7 +89,9 @@ class Points:
             slope.append(slope_of_loss(body, surface, p["velocity"]))
             full.append(full_contact(modulus, surface, *at)[0])
             persson.append(
-                multiscale.solve(modulus, surface, *at, em.Persson(), 1e-2).mu[0]
+                multiscale.solve(
+                    em.Persson(), RoadProblem(body, surface, *at, rtol=1e-2)
+                ).mu[0]
             )
         self.scenes = scenes
         self.felt = multiscale.Felt(*(np.ravel(x) for x in zip(*felt, strict=True)))

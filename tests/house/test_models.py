@@ -31,8 +31,9 @@ class Toy(SurfaceModel):
     def words(self):
         return f"toy road, {self.share:g} of the loss tangent"
 
-    def solve(self, foundation, surface, velocity, pressure, local, rtol, progress):
-        modulus = foundation.complex_modulus(surface.q_low * velocity)
+    def solve(self, problem):
+        omega = problem.surface.q_low * problem.velocity
+        modulus = problem.foundation.complex_modulus(omega)
         mu = self.share * modulus.imag / modulus.real
         area = np.full(mu.shape, 0.1)
         return SurfaceFriction(mu, area, 0.01 * mu, mu > 0, 0.02 * area)

@@ -232,9 +232,9 @@ def test_a_derivative_by_the_direction():
 
     def drag(direction):
         directed = against_lay.Directed(ground(3.0).lay, direction)
-        return against_lay.averages(
-            lambda w: 1.0 + 1j * w, None, w, q, directed, 0.0, False
-        )[0]
+        return against_lay.averages(lambda w: 1.0 + 1j * w, w, q, directed, 0.0, False)[
+            0
+        ]
 
     at = np.array([0.7])
     with jax.enable_x64(True):

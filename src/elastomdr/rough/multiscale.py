@@ -79,7 +79,7 @@ from .psd_integrals import (
     spread_of,
     tables,
 )
-from .road_model import SurfaceFriction, WaveByWave, Waves
+from .road_model import RoadProblem, SurfaceFriction, WaveByWave, Waves
 
 if TYPE_CHECKING:
     from .._types import Scalar
@@ -119,37 +119,17 @@ class ContactAndFriction(NamedTuple):
     area_error: Array
 
 
-def solve(
-    modulus: Modulus,
-    spectrum: AbstractSpectrum,
-    velocity: Array,
-    pressure: Array,
-    model: WaveByWave,
-    rtol: float,
-    local: Local = _LINEAR,
-) -> ContactAndFriction:
-    """Points (velocity [m/s], pressure [Pa]), flat; `modulus(omega)` is E* [Pa] at
-    omega [rad/s].
-
-    `local` says how moduli differ from scale to scale, by strain and temperature.
-
-    Cells of log q are halved until the change by the last halving is below `rtol`, or
-    no more memory should be spent.
+def solve(model: WaveByWave, problem: RoadProblem) -> ContactAndFriction:
+    """Cells of log q are halved until the change by the last halving is below `rtol`,
+    or no more memory should be spent.
     """
 
     def evaluated(points: np.ndarray, per_decade: int) -> Any:
-        return _in_batches(
-            modulus,
-            spectrum,
-            velocity[points],
-            pressure[points],
-            model,
-            per_decade,
-            local.of(points),
-        )
+        return _in_batches(model, problem.of(points), per_decade)
 
-    mu, area, error, area_error = (np.full(velocity.shape, np.nan) for _ in range(4))
-    left, per_decade = np.arange(velocity.size), PER_DECADE
+    rtol, size = problem.rtol, problem.velocity.size
+    mu, area, error, area_error = (np.full(size, np.nan) for _ in range(4))
+    left, per_decade = np.arange(size), PER_DECADE
     coarsest, coarse = (evaluated(left, per_decade // fraction) for fraction in (4, 2))
     while left.size and per_decade <= _FINEST:
         fine = evaluated(left, per_decade)
@@ -173,15 +153,10 @@ def _error(fine: Array, coarse: Array, coarsest: Array) -> Any:
     return np.maximum(abs(fine - coarse) / 2, abs(coarse - coarsest) / 8)
 
 
-def _in_batches(
-    modulus: Modulus,
-    spectrum: AbstractSpectrum,
-    velocity: Array,
-    pressure: Array,
-    model: WaveByWave,
-    per_decade: int,
-    local: Local,
-) -> Any:
+def _in_batches(model: WaveByWave, problem: RoadProblem, per_decade: int) -> Any:
+    spectrum, local = problem.surface, problem.local
+    velocity, pressure = problem.velocity, problem.pressure
+    modulus = problem.foundation.complex_modulus
     wave_nodes = nodes(spectrum, per_decade, bends(spectrum, local))
     table = table_of(modulus, wave_nodes, velocity, per_decade, local)
     if worth_compiling(velocity.size, local):
@@ -495,30 +470,18 @@ WORK = (
 )
 
 
-def friction(
-    model: WaveByWave,
-    foundation: SteadyBody,
-    surface: AbstractSpectrum,
-    velocity: Array,
-    pressure: Array,
-    local: Local,
-    rtol: float,
-    progress: Callable[[int, int], None] | None,
-) -> SurfaceFriction:
+def friction(model: WaveByWave, problem: RoadProblem) -> SurfaceFriction:
     """`solve` with the error of a table of moduli, and which points met `rtol`."""
-    if is_traced(foundation, surface, velocity, pressure, local):
-        shared, points = _taken_apart(foundation, surface, velocity, pressure, local)
-        counts = cell_counts(known(stop_gradient(surface)), _TRACED)
-        solved = _with_slopes(model, float(rtol), counts)(shared, points)
+    if is_traced(problem):
+        shared, points = _taken_apart(problem)
+        counts = cell_counts(known(stop_gradient(problem.surface)), _TRACED)
+        solved = _with_slopes(model, problem.rtol, counts)(shared, points)
         return solved._replace(good=solved.good > 0)
-    modulus = foundation.complex_modulus
-    solved = solve(modulus, surface, velocity, pressure, model, rtol, local=local)
-    if progress is not None:
-        progress(velocity.size, velocity.size)
-    good = (solved.error <= rtol * abs(solved.mu)) | (solved.mu == 0)
-    change = table_error(
-        model, foundation, surface, velocity, pressure, local, solved.mu
-    )
+    solved = solve(model, problem)
+    if problem.progress is not None:
+        problem.progress(problem.velocity.size, problem.velocity.size)
+    good = (solved.error <= problem.rtol * abs(solved.mu)) | (solved.mu == 0)
+    change = table_error(model, problem, solved.mu)
     return SurfaceFriction(
         solved.mu, solved.area, solved.error + change, good, solved.area_error
     )
@@ -543,26 +506,22 @@ class _RoadPoints(NamedTuple):
     rise: Array | None
 
 
-def _taken_apart(
-    foundation: SteadyBody,
-    surface: AbstractSpectrum,
-    velocity: Array,
-    pressure: Array,
-    local: Local,
-) -> tuple[_RoadShared, _RoadPoints]:
-    softened, warmed = local.softened, local.warmed
+def _taken_apart(problem: RoadProblem) -> tuple[_RoadShared, _RoadPoints]:
+    softened, warmed, directed = problem.local
     share = None if softened is None else softened.share
     ends = temperature = rise = None
     if warmed is not None:
         ends, temperature = warmed.ends, warmed.temperature
         rise = xp.transpose(warmed.rise)
-    direction = against_lay.to_points(local.directed)
-    shared = _RoadShared(foundation, surface, share, ends)
-    points = _RoadPoints(velocity, pressure, direction, temperature, rise)
+    direction = against_lay.to_points(directed)
+    shared = _RoadShared(problem.foundation, problem.surface, share, ends)
+    points = _RoadPoints(
+        problem.velocity, problem.pressure, direction, temperature, rise
+    )
     return as_doubles((shared, points))
 
 
-def _local(shared: _RoadShared, points: _RoadPoints) -> Local:
+def _problem(shared: _RoadShared, points: _RoadPoints, rtol: float) -> RoadProblem:
     foundation, surface, share, ends = shared
     softened = warmed = None
     directed = against_lay.of_points(lay_of(surface), points.direction)
@@ -573,7 +532,8 @@ def _local(shared: _RoadShared, points: _RoadPoints) -> Local:
         assert points.rise is not None
         assert points.temperature is not None
         warmed = Warmed(ends, points.rise.T, points.temperature, foundation)
-    return Local(softened, warmed, directed)
+    local = Local(softened, warmed, directed)
+    return RoadProblem(foundation, surface, *points[:2], local, rtol)
 
 
 @functools.lru_cache(64)
@@ -585,26 +545,16 @@ def _with_slopes(
     """
 
     def numbers(shared: _RoadShared, points: _RoadPoints) -> tuple[Any, ...]:
-        local, (velocity, pressure, *_) = _local(shared, points), points
-        solved = friction(
-            model,
-            shared.foundation,
-            shared.surface,
-            velocity,
-            pressure,
-            local,
-            rtol,
-            None,
-        )
+        solved = friction(model, _problem(shared, points, rtol))
         return solved.mu, solved.area, solved.error, solved.good, solved.area_error
 
     def integrals(shared: _RoadShared, points: _RoadPoints) -> tuple[Any, Any]:
-        local, (velocity, pressure, *_) = _local(shared, points), points
+        local = _problem(shared, points, rtol).local
         wave_nodes = nodes(
             shared.surface, _TRACED, bends(shared.surface, local), counts
         )
         modulus = shared.foundation.complex_modulus
-        return _evaluate(modulus, wave_nodes, velocity, pressure, model, local)
+        return _evaluate(modulus, wave_nodes, *points[:2], model, local)
 
     def like(shared: _RoadShared, points: _RoadPoints) -> tuple[Any, ...]:
         return (points.velocity,) * 5
@@ -613,26 +563,16 @@ def _with_slopes(
     return lambda shared, points: SurfaceFriction(*solve(shared, points))
 
 
-def table_error(
-    model: WaveByWave,
-    foundation: SteadyBody,
-    surface: AbstractSpectrum,
-    velocity: Array,
-    pressure: Array,
-    local: Local,
-    mu: Array,
-) -> Any:
+def table_error(model: WaveByWave, problem: RoadProblem, mu: Array) -> Any:
     """Error of mu by the interpolation of a table of moduli, from the friction of its
     halves, which one level of cells gives well enough; 0 for a series.
     """
+    foundation = problem.foundation
     if not isinstance(foundation, TabulatedFoundation) or is_traced(foundation):
         return 0.0
     change = np.zeros_like(mu)
     for half in foundation.thinned():
-        modulus = half.complex_modulus
-        other, _ = _in_batches(
-            modulus, surface, velocity, pressure, model, PER_DECADE, local
-        )
+        other, _ = _in_batches(model, problem._replace(foundation=half), PER_DECADE)
         change = np.maximum(change, LEFT_OUT * np.abs(other - mu))
     return change
 

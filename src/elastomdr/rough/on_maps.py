@@ -31,7 +31,7 @@ from .random_maps import (
     unsolved_words,
 )
 from .random_maps import friction as on_random_maps
-from .road_model import MapsOf, SurfaceFriction
+from .road_model import MapsOf, RoadProblem, SurfaceFriction
 
 if TYPE_CHECKING:
     from ..surface.spectrum import AbstractSpectrum
@@ -47,17 +47,11 @@ LEAST_SUMMITS = OF_SUMMITS
 Run = Callable[[Any, float | None], SurfaceFriction]
 
 
-def friction(
-    maps_of: MapsOf,
-    modulus: Callable[[Any], Any],
-    surface: AbstractSpectrum,
-    velocity: np.ndarray,
-    pressure: np.ndarray,
-    directed: Directed | None,
-    rtol: float,
-    progress: Callable[[int, int], None] | None,
-) -> SurfaceFriction:
-    """Points (velocity [m/s], pressure [Pa]), flat."""
+def friction(maps_of: MapsOf, problem: RoadProblem) -> SurfaceFriction:
+    """Points on the measured map, or on random ones."""
+    modulus, surface = problem.foundation.complex_modulus, problem.surface
+    velocity, pressure = np.asarray(problem.velocity), np.asarray(problem.pressure)
+    directed, rtol = problem.local.directed, problem.rtol
     on_measured, has_lay = maps_of.measured, lay_of(surface) is not None
     sampled: list[np.ndarray | None] = [None]
     if directed is not None:
@@ -69,8 +63,8 @@ def friction(
 
     def tick() -> None:
         number = next(counter)
-        if progress is not None:
-            progress(number, total)
+        if problem.progress is not None:
+            problem.progress(number, total)
 
     if on_measured:
         grid = cells_of(surface, maps_of.cells)

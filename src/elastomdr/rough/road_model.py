@@ -13,9 +13,30 @@ from .local_modulus import Local
 
 if TYPE_CHECKING:
     from ..arrays import Array
-    from ..element.law import Foundation, TabulatedFoundation
+    from ..call.types import SteadyBody
     from ..surface.spectrum import AbstractSpectrum
+    from .against_lay import Which
     from .psd_integrals import Moduli, Nodes
+
+
+class RoadProblem(NamedTuple):
+    """Points of a surface under a pressure, as a `SurfaceModel` solves them."""
+
+    foundation: SteadyBody  # the rubber; `complex_modulus(omega)` is E* [Pa]
+    surface: AbstractSpectrum
+    velocity: Array  # reduced, v a_T [m/s] (points,)
+    pressure: Array  # nominal, at the reference temperature [Pa] (points,)
+    local: Local = Local()  # how moduli differ from scale to scale
+    rtol: float = 1e-6  # relative error of mu to be met
+    progress: Callable[[int, int], None] | None = None  # `progress(done, total)`
+
+    def of(self, points: Which) -> RoadProblem:
+        """The same for some of the points."""
+        return self._replace(
+            velocity=self.velocity[points],
+            pressure=self.pressure[points],
+            local=self.local.of(points),
+        )
 
 
 class SurfaceFriction(NamedTuple):
@@ -101,33 +122,12 @@ class SurfaceModel(Model, ABC):
         return self.words(), "nothing"
 
     @abstractmethod
-    def solve(
-        self,
-        foundation: Foundation | TabulatedFoundation,
-        surface: AbstractSpectrum,
-        velocity: Array,
-        pressure: Array,
-        local: Local,
-        rtol: float,
-        progress: Callable[[int, int], None] | None,
-    ) -> SurfaceFriction:
-        """Friction and real contact at many points.
-
-        Args:
-            foundation: the rubber; `foundation.complex_modulus(omega)` is E* [Pa] at
-                omega [rad/s].
-            surface: an `AbstractSpectrum`.
-            velocity: reduced velocity v a_T [m/s], shape (points,).
-            pressure: nominal pressure [Pa] at the reference temperature, (points,).
-            local: how moduli differ from scale to scale
-                (`elastomdr.rough.local_modulus.Local`).
-            rtol: relative error of mu to be met.
-            progress: `progress(done, total)`, or None.
-        """
+    def solve(self, problem: RoadProblem) -> SurfaceFriction:
+        """Friction and real contact at the points of the problem."""
 
     def bound(
         self,
-        foundation: Foundation | TabulatedFoundation,
+        foundation: SteadyBody,
         surface: AbstractSpectrum,
         velocity: Array,
         area: Array,
@@ -141,7 +141,7 @@ class SurfaceModel(Model, ABC):
 
     def why_wide(
         self,
-        foundation: Foundation | TabulatedFoundation,
+        foundation: SteadyBody,
         surface: AbstractSpectrum,
         velocity: Array,
         area: Array,

@@ -6,10 +6,8 @@ from __future__ import annotations
 
 import dataclasses
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, ClassVar
-
-import numpy as np
 
 from ..checks import is_traced, whole_number
 from ..errors import InputError
@@ -17,11 +15,18 @@ from ..models import flag, seeds_of
 from ..units.arguments import constructor_in_si
 from . import multiscale
 from .local_modulus import Local
-from .road_model import MapsOf, SurfaceFriction, SurfaceModel, WaveByWave, Waves
+from .road_model import (
+    MapsOf,
+    RoadProblem,
+    SurfaceFriction,
+    SurfaceModel,
+    WaveByWave,
+    Waves,
+)
 
 if TYPE_CHECKING:
     from ..arrays import Array
-    from ..element.law import Foundation, TabulatedFoundation
+    from ..call.types import SteadyBody
     from ..surface.spectrum import AbstractSpectrum
     from .psd_integrals import Moduli, Nodes
 
@@ -49,23 +54,12 @@ class _ClosedIntegrals(SurfaceModel, WaveByWave):
     def work(self, surface: AbstractSpectrum) -> tuple[str, str]:
         return multiscale.WORK
 
-    def solve(
-        self,
-        foundation: Foundation | TabulatedFoundation,
-        surface: AbstractSpectrum,
-        velocity: Array,
-        pressure: Array,
-        local: Local,
-        rtol: float,
-        progress: Callable[[int, int], None] | None,
-    ) -> SurfaceFriction:
-        return multiscale.friction(
-            self, foundation, surface, velocity, pressure, local, rtol, progress
-        )
+    def solve(self, problem: RoadProblem) -> SurfaceFriction:
+        return multiscale.friction(self, problem)
 
     def bound(
         self,
-        foundation: Foundation | TabulatedFoundation,
+        foundation: SteadyBody,
         surface: AbstractSpectrum,
         velocity: Array,
         area: Array,
@@ -77,7 +71,7 @@ class _ClosedIntegrals(SurfaceModel, WaveByWave):
 
     def why_wide(
         self,
-        foundation: Foundation | TabulatedFoundation,
+        foundation: SteadyBody,
         surface: AbstractSpectrum,
         velocity: Array,
         area: Array,
@@ -222,38 +216,21 @@ class HalfSpace(SurfaceModel):
         seeds = len(seeds_of(self.seeds))
         return random_maps.work(surface, self.cells, self.periods, seeds)
 
-    def solve(
-        self,
-        foundation: Foundation | TabulatedFoundation,
-        surface: AbstractSpectrum,
-        velocity: Array,
-        pressure: Array,
-        local: Local,
-        rtol: float,
-        progress: Callable[[int, int], None] | None,
-    ) -> SurfaceFriction:
+    def solve(self, problem: RoadProblem) -> SurfaceFriction:
         from . import on_maps
 
-        if is_traced(surface, velocity, pressure, foundation):
+        if is_traced(problem):
             raise InputError(
                 "model must be em.Multiscale() or em.Persson() under jit, grad and "
                 "vmap."
             )
-        seeds, measured = seeds_of(self.seeds), self.on_map(surface)
-        return on_maps.friction(
-            MapsOf(measured, self.cells, self.periods, seeds),
-            foundation.complex_modulus,
-            surface,
-            np.asarray(velocity),
-            np.asarray(pressure),
-            local.directed,
-            rtol,
-            progress,
-        )
+        seeds, measured = seeds_of(self.seeds), self.on_map(problem.surface)
+        maps = MapsOf(measured, self.cells, self.periods, seeds)
+        return on_maps.friction(maps, problem)
 
     def bound(
         self,
-        foundation: Foundation | TabulatedFoundation,
+        foundation: SteadyBody,
         surface: AbstractSpectrum,
         velocity: Array,
         area: Array,

@@ -5,7 +5,6 @@ pack.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -46,7 +45,7 @@ from .against_lay import Directed
 from .heat import NO_STATE, Heat, check_heat, why_no_state
 from .local_modulus import Local, SoftenedByScale
 from .problem import RoughCall
-from .road_model import SurfaceFriction, SurfaceModel, WaveByWave
+from .road_model import RoadProblem, SurfaceFriction, SurfaceModel, WaveByWave
 from .road_models import Multiscale
 
 if TYPE_CHECKING:
@@ -127,7 +126,7 @@ class _Answer(NamedTuple):
 
     hot: SurfaceFriction  # at the temperatures that friction makes
     cold: SurfaceFriction  # at the temperatures that are given
-    local: Local  # how moduli differ from scale to scale
+    problem: RoadProblem  # at velocity and pressure that are given, with local rises
     warm: Flash | None  # one flash temperature
     by_scale: Warm | None  # temperatures by length scale
     # v a_T at the temperature of the real contact, in the shape of the call
@@ -192,11 +191,17 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     softened = None
     if foundation.softening is not None and model.softens:
         softened = SoftenedByScale(foundation.softening, surface, strain_share)
-    solved = partial(
-        model.solve, foundation, surface, rtol=float(rtol), progress=call.progress
+    problem = RoadProblem(
+        foundation,
+        surface,
+        scene.reduced.ravel(),
+        # by the material at its reference temperature
+        (scene.full(scene.value) / scene.vertical).ravel(),
+        Local(softened, directed=_directed(scene, surface, model)),
+        float(rtol),
+        call.progress,
     )
-    local = Local(softened, directed=_directed(scene, surface, model))
-    answer = _solved(call, scene, surface, model, local, solved)
+    answer = _solved(call, scene, model, problem)
     states: list[tuple[str, str]] = []
     if not scene.traced:
         if heat is not None:
@@ -214,8 +219,8 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
             np.asarray(answer.reduced).ravel(),
         )
     )
-    strained = _strained(softened, foundation, surface, model, scene, answer, rtol)
-    turned = _turned(foundation, scene, surface, model, answer)
+    strained = _strained(model, scene, answer)
+    turned = _turned(scene, model, answer)
     marks = rough_beyond(
         foundation.range, outside, scene.temperature, scene.shape, answer.hottest()
     )
@@ -225,7 +230,7 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     label = _label(surface)
     inputs = _inputs(scene, label, surface, heat, answer, strained, of_data, outside)
     inputs += turned.rows + states
-    curve = _packed(scene, surface, model, answer, strained, turned, of_data)
+    curve = _packed(scene, model, answer, strained, turned, of_data)
     curve = dataclasses.replace(
         curve,
         model=curve.model + _hot(model, heat),
@@ -238,51 +243,40 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
         curve = _with_heat(curve, heat, scene, answer)
     if adhesion is not None:
         curve = _with_adhesion(
-            curve, adhesion, heat, scene, surface, model, answer, strained, turned
+            curve, adhesion, heat, scene, model, answer, strained, turned
         )
     if scene.traced or curve.model_error is None:
         return curve
-    wide = _wide_bound(curve, model, foundation, surface, answer, strained, turned)
+    wide = _wide_bound(curve, model, answer, strained, turned)
     return dataclasses.replace(curve, marks=(*curve.marks, *wide))
 
 
 def _solved(
-    call: RoughCall,
-    scene: SteadyScene,
-    surface: AbstractSpectrum,
-    model: SurfaceModel,
-    local: Local,
-    solved: Callable[..., SurfaceFriction],
+    call: RoughCall, scene: SteadyScene, model: SurfaceModel, problem: RoadProblem
 ) -> _Answer:
     """Friction at the temperatures that are given or, with `heat`, that it makes."""
-    pressure = scene.full(scene.value)
-    # by the material at its reference temperature
-    reduced_pressure = (pressure / scene.vertical).ravel()
-    cold = solved(scene.reduced.ravel(), reduced_pressure, local=local)
+    cold = model.solve(problem)
     if not scene.traced:
-        _doubt_unit(cold, pressure.ravel())
-    answer = _Answer(cold, cold, local, None, None, scene.reduced)
+        _doubt_unit(cold, scene.full(scene.value).ravel())
+    answer = _Answer(cold, cold, problem, None, None, scene.reduced)
     if call.heat is None:
         return answer
     by_wave = model.by_wave()
     if by_wave is not None:
-        return _heated_by_scale(
-            call, call.heat, surface, by_wave, scene, answer, solved
-        )
+        return _heated_by_scale(call, call.heat, model, by_wave, scene, answer)
     if call.adhesion is not None:
         raise InputError(
             f"heat with adhesion needs em.Multiscale() or em.Persson(), got {model!r}."
         )
-    return _heated(call, call.heat, surface, scene, answer, solved)
+    return _heated(call, call.heat, model, scene, answer)
 
 
 def _heated(
     call: RoughCall,
     heat: Heat,
-    surface: AbstractSpectrum,
+    model: SurfaceModel,
     scene: SteadyScene,
     answer: _Answer,
-    solved: Callable[..., SurfaceFriction],
 ) -> _Answer:
     """Friction at the one flash temperature that it makes."""
     from .flash import SETTLED, warmed
@@ -290,16 +284,14 @@ def _heated(
     def again(
         reduced: np.ndarray, pressure: np.ndarray, coarse: bool
     ) -> SurfaceFriction:
-        return solved(reduced, pressure, local=answer.local)
+        return model.solve(problem._replace(velocity=reduced, pressure=pressure))
 
     velocity, temperature, pressure = (
         scene.full(a).ravel() for a in (scene.velocity, scene.temperature, scene.value)
     )
-    cold = answer.cold
+    cold, problem = answer.cold, answer.problem
     given = velocity, temperature, pressure
-    warm = warmed(
-        heat, scene.foundation, surface, *given, cold, again, call.branch == "hot"
-    )
+    warm = warmed(heat, *problem[:2], *given, cold, again, call.branch == "hot")
     heated = cold._replace(
         mu=warm.mean.mu,
         area=warm.mean.area,
@@ -313,11 +305,10 @@ def _heated(
 def _heated_by_scale(
     call: RoughCall,
     heat: Heat,
-    surface: AbstractSpectrum,
-    model: WaveByWave,
+    model: SurfaceModel,
+    by_wave: WaveByWave,
     scene: SteadyScene,
     answer: _Answer,
-    solved: Callable[..., SurfaceFriction],
 ) -> _Answer:
     """Friction at the temperatures by length scale that it makes."""
     from .temperature_by_scale import Problem, warmed
@@ -325,12 +316,12 @@ def _heated_by_scale(
     velocity, temperature, pressure = (
         scene.full(a).ravel() for a in (scene.velocity, scene.temperature, scene.value)
     )
-    reduced, reduced_pressure = scene.reduced.ravel(), pressure / scene.vertical.ravel()
-    foundation = scene.foundation
-    problem = Problem(
+    problem = answer.problem
+    foundation, surface, reduced, reduced_pressure, local, *_ = problem
+    scales = Problem(
         foundation,
         surface,
-        answer.local,
+        local,
         heat,
         call.adhesion,
         velocity,
@@ -339,12 +330,12 @@ def _heated_by_scale(
         pressure,
         reduced_pressure,
     )
-    by_scale = warmed(problem, model, call.branch == "hot")
-    local = answer.local._replace(warmed=by_scale.warmed)
-    heated = solved(reduced, reduced_pressure, local=local)
+    by_scale = warmed(scales, by_wave, call.branch == "hot")
+    problem = problem._replace(local=local._replace(warmed=by_scale.warmed))
+    heated = model.solve(problem)
     good = heated.good & answer.cold.good & by_scale.good
     heated = heated._replace(error=heated.error + by_scale.error, good=good)
-    answer = answer._replace(hot=heated, local=local, by_scale=by_scale)
+    answer = answer._replace(hot=heated, problem=problem, by_scale=by_scale)
     if scene.traced:
         return answer
     factor, _ = thermal_factors(foundation, temperature + by_scale.contact)
@@ -414,8 +405,6 @@ def _inputs(
 def _wide_bound(
     curve: FrictionCurve,
     model: SurfaceModel,
-    foundation: SteadyBody,
-    surface: AbstractSpectrum,
     answer: _Answer,
     strained: _Strained,
     turned: _Turned,
@@ -425,6 +414,7 @@ def _wide_bound(
     """
     bound, mu = (abs(np.asarray(x).ravel()) for x in (curve.model_error, curve.mu))
     area, reduced = answer.hot.area, answer.reduced.ravel()
+    foundation, surface = answer.problem[:2]
 
     def doubt(kind: Kind, points: np.ndarray, words: str, reasons: list[str]) -> Doubt:
         return Doubt(kind, points.reshape(curve.mu.shape), "; ".join([words, *reasons]))
@@ -482,7 +472,6 @@ def excited_beyond(outside: Array) -> tuple[str, str]:
 
 def _packed(
     scene: SteadyScene,
-    surface: AbstractSpectrum,
     model: SurfaceModel,
     answer: _Answer,
     strained: _Strained,
@@ -495,8 +484,8 @@ def _packed(
     pressure = scene.full(scene.value)
     softening = ""
     if scene.foundation.softening is not None:
-        softening = LINEAR if answer.local.softened is None else _SOFTENED
-    bound = _model_error(model, scene, surface, answer, strained.of_mu + turned.of_mu)
+        softening = LINEAR if answer.problem.local.softened is None else _SOFTENED
+    bound = _model_error(model, scene, answer, strained.of_mu + turned.of_mu)
     return FrictionCurve(
         velocity=scene.full(scene.velocity),
         mu=field(hysteresis.mu),
@@ -550,7 +539,6 @@ def _with_adhesion(
     adhesion: AdhesiveShear,
     heat: Heat | None,
     scene: SteadyScene,
-    surface: AbstractSpectrum,
     model: SurfaceModel,
     answer: _Answer,
     strained: _Strained,
@@ -575,7 +563,6 @@ def _with_adhesion(
         _model_error(
             model,
             scene,
-            surface,
             answer,
             strained.of_area + turned.of_area,
             of_area=True,
@@ -621,41 +608,24 @@ def _scales_in_words(by_scale: Warm, good: np.ndarray) -> list[tuple[str, str]]:
     return rows
 
 
-def _strained(
-    softened: SoftenedByScale | None,
-    foundation: SteadyBody,
-    surface: AbstractSpectrum,
-    model: SurfaceModel,
-    scene: SteadyScene,
-    answer: _Answer,
-    rtol: float,
-) -> _Strained:
+def _strained(model: SurfaceModel, scene: SteadyScene, answer: _Answer) -> _Strained:
     """What softening changes; how far mu is off where the strain is not that taken.
 
     Nothing of it under a transformation of JAX, but that how far they are off is not
     known.
     """
+    problem, softened = answer.problem, answer.problem.local.softened
     if softened is None:
-        left_out = foundation.softening is not None
+        left_out = problem.foundation.softening is not None
         return _Strained(None, 0.0, 0.0, [SOFTENING_LEFT_OUT] if left_out else [])
     if scene.traced:
         return _Strained(None, np.nan, np.nan, [])
-    velocity = scene.reduced.ravel()
-    reduced_pressure = (scene.full(scene.value) / scene.vertical).ravel()
+    roughly = problem._replace(rtol=max(problem.rtol, 1e-3), progress=None)
 
     def at(share: Array | None) -> SurfaceFriction:
-        other = answer.local._replace(
-            softened=None if share is None else softened._replace(share=share)
-        )
-        return model.solve(
-            foundation,
-            surface,
-            velocity,
-            reduced_pressure,
-            other,
-            max(float(rtol), 1e-3),
-            None,
-        )
+        other = None if share is None else softened._replace(share=share)
+        local = problem.local._replace(softened=other)
+        return model.solve(roughly._replace(local=local))
 
     linear, here = at(None), at(softened.share)
 
@@ -674,7 +644,7 @@ def _strained(
             more * far + (1 - more) * near
             for far, near in zip((of_mu, of_area), changes(within), strict=True)
         )
-    words = _softening_words(softened, surface, here, linear, answer.hot.good)
+    words = _softening_words(softened, problem.surface, here, linear, answer.hot.good)
     return _Strained(linear.mu, of_mu, of_area, [("softening", words)])
 
 
@@ -687,16 +657,11 @@ def _directed(
     return Directed(lay_of(surface), scene.full(scene.direction).ravel())
 
 
-def _turned(
-    foundation: SteadyBody,
-    scene: SteadyScene,
-    surface: AbstractSpectrum,
-    model: SurfaceModel,
-    answer: _Answer,
-) -> _Turned:
+def _turned(scene: SteadyScene, model: SurfaceModel, answer: _Answer) -> _Turned:
     """What the direction of sliding does, and the sampling error of the lay; how far mu
     may be from its mean over directions where none is given.
     """
+    surface = answer.problem.surface
     lay = lay_of(surface)
     if lay is None:
         if scene.direction is None or model.on_map(surface):
@@ -711,7 +676,7 @@ def _turned(
         return _Turned(0.0, 0.0, [("direction", words)])
     if scene.traced:
         return _Turned(np.nan, np.nan, [("direction", words)])
-    here, ends = _at_other_lays(foundation, scene, surface, model, answer)
+    here, ends = _at_other_lays(scene, model, answer)
     of_mu = np.max([abs(end.mu - here.mu) for end in ends], axis=0)
     of_area = np.max([abs(end.area / here.area - 1.0) for end in ends], axis=0)
     good = answer.hot.good
@@ -727,11 +692,7 @@ def _turned(
 
 
 def _at_other_lays(
-    foundation: SteadyBody,
-    scene: SteadyScene,
-    surface: AbstractSpectrum,
-    model: SurfaceModel,
-    answer: _Answer,
+    scene: SteadyScene, model: SurfaceModel, answer: _Answer
 ) -> tuple[SurfaceFriction, list[SurfaceFriction]]:
     """Friction, and that where ln g is two standard errors less and more, in the
     direction that is given; without one where it is more, along the lay and across it.
@@ -739,19 +700,18 @@ def _at_other_lays(
     Random maps of another lay would be other maps: of these Multiscale says how much
     friction changes.
     """
-    pressure = (scene.full(scene.value) / scene.vertical).ravel()
+    problem = answer.problem._replace(rtol=_ROUGHLY, progress=None)
     on_maps: bool = model.samples_directions
-    lay: Any = lay_of(surface)
+    lay: Any = lay_of(problem.surface)
     solve = (Multiscale() if on_maps else model).solve
 
     def towards(direction: Array | float | None, errors: float) -> SurfaceFriction:
         directed = None
         if direction is not None:
-            turned = np.broadcast_to(np.asarray(direction), pressure.shape)
+            turned = np.broadcast_to(np.asarray(direction), problem.pressure.shape)
             directed = Directed(lay.off(errors), turned)
-        local = answer.local._replace(directed=directed)
-        velocity = scene.reduced.ravel()
-        return solve(foundation, surface, velocity, pressure, local, _ROUGHLY, None)
+        local = problem.local._replace(directed=directed)
+        return solve(problem._replace(local=local))
 
     direction = None if scene.direction is None else scene.full(scene.direction).ravel()
     here = towards(direction, 0.0) if on_maps else answer.hot
@@ -985,7 +945,6 @@ def bound_of_heights(surface: AbstractSpectrum, area: Array) -> Array:
 def _model_error(
     model: SurfaceModel,
     scene: SteadyScene,
-    surface: AbstractSpectrum,
     answer: _Answer,
     of_strain: Array | float,
     of_area: bool = False,
@@ -1001,6 +960,7 @@ def _model_error(
     if foundation.softening is not None and not model.softens:
         return answer.field(scene.shape, np.full(np.shape(hysteresis.mu), np.nan))
     # a bound has no derivatives: of plain numbers nothing is traced
+    surface = answer.problem.surface
     body, road, velocity, area = known(
         stop_gradient((foundation, surface, answer.reduced.ravel(), hysteresis.area))
     )

@@ -34,7 +34,7 @@ from ..models import Model, as_model
 from ..results.base import Array, Result, quantity, record
 from ..results.words import given_in_words, span
 from ..rough.adhesion import KNOWN_AREA, MOST_SHEAR, AdhesiveShear, shear_law
-from ..rough.local_modulus import Local
+from ..rough.road_model import RoadProblem
 from ..rough.road_models import Multiscale, Persson
 from ..rough.surface import bound_of_heights
 from .leak import bodies_in_words, pressed_bodies, softness
@@ -238,10 +238,9 @@ def _contact(
 ) -> _RealContact:
     """The contact of an elastic body at pressures over its E*."""
     one, flat = Foundation(1.0, [], []), relative_pressure.ravel()
-    solved = model.solve(
-        one, surface, xp.ones_like(flat), flat, Local(None), _RTOL, None
-    )
-    bound = model.bound(one, surface, xp.ones_like(flat), solved.area, of_area=True)
+    slow = xp.ones_like(flat)
+    solved = model.solve(RoadProblem(one, surface, slow, flat, rtol=_RTOL))
+    bound = model.bound(one, surface, slow, solved.area, of_area=True)
     assert bound is not None  # `_KINDS` are no truths themselves
     bound = bound + bound_of_heights(*stop_gradient((surface, solved.area)))
     error = solved.area_error / xp.where(solved.area > 0, solved.area, 1.0)
