@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 
 import elastomdr as em
+from elastomdr.results.plotting import _NOTES
 from elastomdr.surface.topography import MeasuredSurface
 
 from ..refused import refused
@@ -65,12 +66,18 @@ def several_states():
     )
 
 
+def pressed_too_hard():
+    """A pressure of 300 MPa, above the modulus."""
+    return em.friction(rubber(), ROAD, velocity=V, pressure=3e8)
+
+
 MADE = {
     "no prediction": no_prediction,
     "extrapolated": extrapolated,
     "illustrative": illustrative,
     "bound": wide_bound,
     "hot branch": several_states,
+    "estimate": pressed_too_hard,
 }
 
 
@@ -113,16 +120,7 @@ def test_a_doubt_is_found_in_all_that_is_made_of_a_curve(kind, tmp_path):
     assert f"doubt, {kind}" in curve.to_pandas().attrs
     assert kind in kinds(curve.to_dict()["doubts"])
     notes = " ".join(text.get_text() for text in curve.plot().texts)
-    assert _NOTED[kind] in " ".join(notes.split())
-
-
-_NOTED = {
-    "no prediction": "no bound on the model is known",
-    "extrapolated": "dotted: outside the measured range",
-    "illustrative": "moduli: illustrative",
-    "bound": "the bound on the model exceeds half",
-    "hot branch": "in part another steady state exists",
-}
+    assert _NOTES[kind] in " ".join(notes.split())
 
 
 @pytest.mark.filterwarnings("ignore")
@@ -179,6 +177,29 @@ def test_traction_has_the_doubts_of_its_law(kind, tmp_path):
         tangential=em.Foundation(3e6, [], []),
     ).to_tir(tmp_path / "a.tir", radius=0.3, width=0.2)
     assert f"$ doubt, {kind}: " in (tmp_path / "a.tir").read_text()
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("kind", MADE)
+def test_draws_and_rankings_have_the_doubts_of_their_curves(kind, tmp_path):
+    curve = MADE[kind]()
+    where = points(curve.doubts, kind)
+    drawn = type(curve).stack([curve] * 3, ["rubber"] * 3, ("3 draws", "moduli"))
+    for made in (drawn.band(), drawn.typical(), drawn.typical().law()):
+        np.testing.assert_array_equal(np.ravel(points(made.doubts, kind)), where)
+    sure = dataclasses.replace(
+        curve, marks=(), other_states=None, model_error=0 * np.asarray(curve.mu)
+    )
+    both = type(curve).stack([sure, curve], ["sure", "doubted"])
+    ranking = both.ranking(velocity=float(np.asarray(curve.velocity)[where][-1]))
+    of = {place.material: kinds(place.doubts) for place in ranking.places}
+    assert kind in of["doubted"]
+    assert kind not in of["sure"]
+    assert kind in kinds(ranking.doubts)
+    ranking.to_csv(tmp_path / "ranking.csv")
+    table = pd.read_csv(tmp_path / "ranking.csv", comment="#", index_col="material")
+    told = table["doubts"].fillna("").str.contains(kind)
+    assert told.to_dict() == {"doubted": True, "sure": False}
 
 
 @pytest.mark.filterwarnings("ignore")
