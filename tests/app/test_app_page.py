@@ -719,11 +719,11 @@ def test_card_says_what_is_not_known_of_the_rubber():
     )
     _, sure, surer = cards(em.rolling(rubber, roller, load=100.0, **point))
     assert sure.notes[0].startswith("computation below")
-    assert sure.notes[1] == "uncertainty of the rubber: not computed"
+    assert sure.notes[1].endswith("not computed")
     assert mentions(surer.notes, "uncertainty of the rubber")
     road = em.SelfAffine(0.8, rms_slope=0.7, q_low=1e3, q_high=1e5)
     _, sure, _ = cards(em.friction(rubber, road, pressure=3e5, **point))
-    assert sure.notes[0].startswith("computation and fit of the rubber")
+    assert sure.notes[0].startswith("computation and fit")
 
 
 @pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")

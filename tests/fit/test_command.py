@@ -60,13 +60,13 @@ def test_command_line(tmp_path, monkeypatch, capsys):
     ("arguments", "said"),
     [
         (["two.csv", "--reference", "20 parsec"], "a temperature"),
-        (["tow.csv"], "got 'tow.csv': No such file"),
-        (["two.csv", "--kind", "shearing"], "--kind must be one of shear, tensile"),
-        (["two.csv", "--terms", "0"], "terms must be a whole number"),
-        (["two.csv", "--law", "wolf"], "law must be one of"),
+        (["tow.csv"], "'tow.csv': No such"),
+        (["two.csv", "--kind", "shearing"], "--kind must be"),
+        (["two.csv", "--terms", "0"], "terms must be"),
+        (["two.csv", "--law", "wolf"], "law must be"),
         (
             ["two.csv", "--reference", "-200degC"],
-            "reference must be within reach of the data, -10 to 60 degC",
+            "-10 to 60 degC",
         ),
         (["two.csv", "--name", "a/b"], "--name must be"),
         (["two.csv", "--column", "storage"], "--column[0] must be"),

@@ -24,10 +24,7 @@ def test_a_plateau_is_not_separable():
     )
     master = em.fit.master_curve(rows, 293.15)
     assert master.ambiguous[2:].any()
-    assert any(
-        "Horizontal and vertical shift cannot be separated" in text
-        for text in master.warnings
-    )
+    assert any("cannot be separated" in text for text in master.warnings)
     # Intervals are too narrow here (the covariance takes ripples fitted to noise for
     # landmarks): the warning counts.
     assert master.log10_a_std.max() > 0.05
@@ -48,10 +45,7 @@ def test_a_constant_loss_tangent_is_not_separable(seed):
     rows = data(np.arange(20.0, 51.0, 10.0), material=flat, seed=seed)
     master = em.fit.master_curve(rows, 293.15)
     assert master.ambiguous.sum() == 3  # all but the anchor
-    assert any(
-        "Horizontal and vertical shift cannot be separated" in text
-        for text in master.warnings
-    )
+    assert any("cannot be separated" in text for text in master.warnings)
     if seed == 0:
         assert not em.fit.master_curve(rows, 293.15, vertical=False).ambiguous.any()
 
@@ -132,10 +126,11 @@ def test_points_that_are_copies_count_once():
         for r in (rows, both)
     )
     np.testing.assert_array_equal(once.log10_a_std, twice.log10_a_std)
-    said = "104 of 208 points repeat others in all their numbers, and are left out."
-    assert said in twice.warnings
-    assert said not in once.warnings
-    assert said in twice.at_reference(303.15).warnings
+    repeated = [
+        any("104 of 208 points repeat" in text for text in each.warnings)
+        for each in (once, twice, twice.at_reference(303.15))
+    ]
+    assert repeated == [False, True, True]
 
 
 def test_two_measurements_that_contradict_each_other_are_said_by_how_much():
@@ -158,14 +153,8 @@ def test_two_measurements_that_contradict_each_other_are_said_by_how_much():
         if factor == 1.1:
             assert not texts
             continue
-        assert (
-            "the relaxation modulus is 3 times what storage and loss modulus make of it"
-        ) in texts[0]
-        assert all(
-            "relaxation and dynamic moduli contradict each other, by a factor of 3"
-            in text
-            for text in texts[1:]
-        )
+        assert "relaxation modulus is 3 times" in texts[0]
+        assert all("by a factor of 3" in text for text in texts[1:])
         # between isotherms of the other, a vertical shift makes up for it
         assert len(texts) > (celsius is STEPS)
         assert not any("thermorheologically" in text for text in fit.warnings)
@@ -187,7 +176,7 @@ def test_a_second_pass_that_differs_is_no_scatter(celsius, factor, said):
     master = em.fit.master_curve(em.fit.join(data(noise=0.02), again), 293.15)
     (text,) = (text for text in master.warnings if "are repeated" in text)
     assert said in text
-    assert "another sample, strain or pass" in text
+    assert "another sample" in text
     quiet = em.fit.master_curve(
         em.fit.join(data(noise=0.02), data(celsius, seed=1, noise=0.02)), 293.15
     )
@@ -203,7 +192,7 @@ def test_a_law_that_misses_the_data_is_said():
         for text in found.warnings
         if text.startswith("Material and shift law miss the data")
     )
-    assert "Arrhenius misses the shift factors by" in text
+    assert "Arrhenius misses" in text
     assert not any(
         "shift law miss" in text
         for text in em.fit.material(data(), 293.15, vertical=False).warnings

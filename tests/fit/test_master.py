@@ -8,6 +8,7 @@ from elastomdr.errors import InputError
 from elastomdr.fit.laws import fit_laws, forms
 
 from ..io.dma_files import KNOWN, LAW, RUBBER, STEPS, data
+from ..refused import refused
 
 # What is doubted is asserted where a test is about it.
 pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
@@ -92,10 +93,7 @@ def test_a_reference_further_than_the_law_carries():
     assert (np.abs(hot.log10_a - truth) <= 3 * hot.log10_a_std).all()
     assert any("knows that step to +- 0." in text for text in hot.warnings)
     for celsius, said in ((-150.0, "past its pole"), (-60.0, "decades only")):
-        with pytest.raises(
-            InputError,
-            match=f"reference must be within reach of the data, 60 to 120 .*{said}",
-        ):
+        with refused("reference", 60, 120, said):
             hot.at_reference(celsius + 273.15)
 
 
@@ -141,7 +139,7 @@ def test_constants_that_the_data_do_not_determine_are_said_to_be_none():
     line = np.asarray(em.Arrhenius(9e4, 293.15).log10_a(kelvin))
     laws = fit_laws(kelvin, line, 0.1**2 * np.eye(5), 293.15)
     assert not laws["WLF"].determined
-    assert laws["WLF"].constants() == "c1 and c2 not determined by these data"
+    assert laws["WLF"].constants().startswith("c1 and c2 not determined")
     assert laws["Arrhenius"].determined
     assert laws["Arrhenius"].constants().startswith("energy 9e+04 +- ")
     curved = fit_laws(

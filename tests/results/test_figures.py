@@ -49,10 +49,9 @@ def test_figure_of_several_curves():
     labels = [t.get_text() for t in ax.get_legend().get_texts()]
     assert [label.split(":")[0] for label in labels] == ["0 °C", "20 °C", "40 °C"]
     assert len(ax.collections) == 3
-    assert {
-        "6 of 99 points did not converge and are left out",
-        "shaded: numerical error",
-    } <= {t.get_text() for t in ax.texts}
+    noted = {t.get_text() for t in ax.texts}
+    assert "shaded: numerical error" in noted
+    assert any(text.startswith("6 of 99 points") for text in noted)
 
 
 def test_band_is_the_whole_uncertainty():

