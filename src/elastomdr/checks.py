@@ -9,7 +9,7 @@ import math
 import re
 import sys
 from collections.abc import Callable, Mapping
-from typing import Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from .arrays import (
 )
 from .errors import ConvergenceWarning, InputError, warn
 from .units.arguments import in_si, number_in_si
+
+if TYPE_CHECKING:
+    from ._types import ArrayLike
 
 __all__ = ["Array", "in_float64", "in_si", "is_traced", "numpy_unless_traced"]
 
@@ -193,7 +196,7 @@ def positive(name: str, value: Any) -> None:
     representable(name, value)
 
 
-def positive_arrays(**arguments: Any) -> dict[str, Array]:
+def positive_arrays(arguments: Mapping[str, ArrayLike | None]) -> dict[str, Array]:
     """Those arguments that are not None, as float64 arrays; raises `InputError` unless
     all their entries are positive.
     """
@@ -302,7 +305,7 @@ def alike(least: int, lists: Mapping[str, Any]) -> None:
         )
 
 
-def broadcast_shape(**arrays: Any) -> tuple[int, ...]:
+def broadcast_shape(arrays: Mapping[str, Any]) -> tuple[int, ...]:
     """The shape to which arguments broadcast, those that are not None; raises
     `InputError` with the shape of each.
     """
@@ -324,11 +327,11 @@ def broadcast_shape(**arrays: Any) -> tuple[int, ...]:
     return shape
 
 
-def broadcast(**arrays: Any) -> dict[str, Any]:
+def broadcast(arrays: Mapping[str, Any]) -> dict[str, Any]:
     """Arguments in the shape to which they broadcast; None stays None. Raises
     `InputError` as `broadcast_shape` does.
     """
-    shape = broadcast_shape(**arrays)
+    shape = broadcast_shape(arrays)
     # numbers that JAX does not trace stay NumPy's: under jit it would trace them too
     numpy = namespace(*arrays.values())
     return {
@@ -337,7 +340,7 @@ def broadcast(**arrays: Any) -> dict[str, Any]:
     }
 
 
-def only_one(**arguments: Any) -> str:
+def only_one(arguments: Mapping[str, object]) -> str:
     """The name of the only argument that is not None. Raises `InputError` where none
     is, or several are.
     """

@@ -252,7 +252,7 @@ def conveyor(
                 f"{name} must be em.Idlers(cover, roll, spacing=...), got {side!r}."
             )
     given = _checked(velocity, belt, goods, temperature, gravity)
-    points = _ConveyorGiven(**broadcast(**given._asdict()))
+    points = _ConveyorGiven(**broadcast(given._asdict()))
     speed, temperatures = points.velocity, points.temperature
     carry_weight = (points.belt + points.goods) * points.gravity
     return_weight = points.belt * points.gravity

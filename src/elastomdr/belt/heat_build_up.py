@@ -259,7 +259,7 @@ def heat_build_up(
         )
     given = _checked(velocity, load, ambient, conductance, capacity, time)
     highest = _highest_temperature(foundation, hottest, given.ambient)
-    points = _HeatGiven(**broadcast(**given._asdict()))
+    points = _HeatGiven(**broadcast(given._asdict()))
     heat = points.capacity
     # With a history it is said there what is not known of the material.
     ignored = ConvergenceWarning if heat is None else Warning
@@ -290,11 +290,13 @@ def _checked(
         )
     return _HeatGiven(
         **positive_arrays(
-            velocity=velocity,
-            load=load,
-            ambient=ambient,
-            conductance=conductance,
-            capacity=capacity,
+            {
+                "velocity": velocity,
+                "load": load,
+                "ambient": ambient,
+                "conductance": conductance,
+                "capacity": capacity,
+            }
         )
     )
 

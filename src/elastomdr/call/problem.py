@@ -111,7 +111,7 @@ def steady_scene(
     The points are traced if `foundation` or `body`, on which they are solved, are.
     """
     given = {name: getattr(asked, name) for name in one_of or ("load", "depth")}
-    name = only_one(**given)
+    name = only_one(given)
     velocity = as_float64("velocity", asked.velocity)
     value = as_float64(name, given[name])
     temperature, direction = asked.temperature, asked.direction
@@ -125,7 +125,7 @@ def steady_scene(
         accepted = "an angle in rad, of 2 pi at most to either side"
         require("direction", direction, accepted, lambda x: np.abs(x) < _TURN)
     points = {"velocity": velocity, name: value, "temperature": temperature}
-    shape = broadcast_shape(**points, direction=direction)
+    shape = broadcast_shape({**points, "direction": direction})
     factor, vertical = thermal_factors(foundation, temperature)
     if temperature is not None and not is_traced(velocity, factor):
         _check_shift(temperature, velocity, factor)

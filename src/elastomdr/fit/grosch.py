@@ -244,7 +244,7 @@ def friction_master(
 def _checked_data(given: Mapping[str, ArrayLike]) -> list[np.ndarray]:
     """What was measured, one number per point each. Raises `InputError`."""
     arrays = {name: as_float64(name, value) for name, value in given.items()}
-    shape = broadcast_shape(**arrays)
+    shape = broadcast_shape(arrays)
     for name, array in arrays.items():
         if name in ("velocity", "error"):
             positive(name, array)

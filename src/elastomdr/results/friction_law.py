@@ -184,7 +184,7 @@ class FrictionLaw(Tree):
                 )
                 raise InputError(f"{name} must be {requirement} on it.")
         values = {name: as_float64(name, asked[name]) for name in axes}
-        shape = broadcast_shape(**values)
+        shape = broadcast_shape(values)
         corners, inside = [], xp.ones(shape, bool)
         for name, axis in axes.items():
             low, high = axis[0] * (1 - _SAME), axis[-1] * (1 + _SAME)

@@ -281,9 +281,14 @@ def _points(
     temperature: ArrayLike | None,
 ) -> _Points:
     arrays = positive_arrays(
-        pressure=pressure, time=time, velocity=velocity, temperature=temperature
+        {
+            "pressure": pressure,
+            "time": time,
+            "velocity": velocity,
+            "temperature": temperature,
+        }
     )
-    shape = broadcast_shape(**arrays)
+    shape = broadcast_shape(arrays)
     full = {name: xp.broadcast_to(value, shape) + 0.0 for name, value in arrays.items()}
     temperatures, times = full.get("temperature"), full.get("time")
     factor, vertical = thermal_factors(foundation, temperatures)

@@ -805,7 +805,7 @@ def _set_up(
     """The foundation, the surface and the points, checked. Raises `InputError`."""
     surface, asked, heat = call.surface, call.asked, call.heat
     assert isinstance(surface, AbstractSpectrum)  # a line of heights has been refused
-    only_one(pressure=asked.pressure, load=asked.load, depth=asked.depth)
+    only_one({"pressure": asked.pressure, "load": asked.load, "depth": asked.depth})
     foundation = surface_foundation(call.material)
     scene = rough_scene(foundation, surface, call.rtol, asked, "pressure")
     if asked.direction is not None and not model.takes_direction:

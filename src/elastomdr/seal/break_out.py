@@ -174,10 +174,15 @@ def break_out(
         )
     shear = shear_law(boundary_shear, temperature)
     arrays = positive_arrays(
-        pressure=pressure, time=time, velocity=velocity, temperature=temperature
+        {
+            "pressure": pressure,
+            "time": time,
+            "velocity": velocity,
+            "temperature": temperature,
+        }
     )
     given = _Start(**arrays)
-    shape = broadcast_shape(**arrays)
+    shape = broadcast_shape(arrays)
     soft, factor = softness(foundation, given.time, given.temperature)
     contact = _contact(chosen, surface, given.pressure * soft)
     stress = _largest_stress(shear, given)
@@ -200,7 +205,7 @@ def break_out(
         for name, value in numbers.items()
     }
     return BreakOut(
-        **broadcast(**given._asdict(), **fields, converged=good),
+        **broadcast({**given._asdict(), **fields, "converged": good}),
         marks=(*beyond, *too_hard),
         model=f"{chosen.words()}; its shear at once",
         plan="real contact of an elastic body with the creep of the dwell",

@@ -438,7 +438,7 @@ def leak(
         },
         seal.peak,
     )
-    shape = broadcast_shape(**given._asdict())
+    shape = broadcast_shape(given._asdict())
     fluid, given = fluid_of(given)
     temperature = _of_rubber(foundation, given)
     soft, factor = softness(foundation, given.time, temperature)
@@ -488,7 +488,7 @@ def _seal(
     length: ArrayLike | None,
 ) -> _Seal:
     """The one that is given of the three. Raises `InputError`."""
-    only_one(pressure=pressure, profile=profile, o_ring=ring)
+    only_one({"pressure": pressure, "profile": profile, "o_ring": ring})
     if pressure is not None:
         if length is None:
             raise InputError("length must be given with pressure [m], got None.")
@@ -637,7 +637,7 @@ def _checked(arguments: dict[str, ArrayLike | None], peak: ArrayLike) -> LeakGiv
     for name, value in arrays.items():
         _CHECKS.get(name, positive)(name, value)
     kinematic = arrays.pop("kinematic_viscosity", None)
-    only_one(viscosity=arrays.get("viscosity"), kinematic_viscosity=kinematic)
+    only_one({"viscosity": arrays.get("viscosity"), "kinematic_viscosity": kinematic})
     if kinematic is not None:
         if "density" not in arrays or "outlet_pressure" in arrays:
             raise InputError(
@@ -649,7 +649,7 @@ def _checked(arguments: dict[str, ArrayLike | None], peak: ArrayLike) -> LeakGiv
     given = LeakGiven(**arrays)
     check_gas(given)
     drop, peak = given.pressure_drop, as_float64("pressure", peak)
-    broadcast_shape(pressure=peak, pressure_drop=drop)
+    broadcast_shape({"pressure": peak, "pressure_drop": drop})
     if not is_traced(peak, drop) and not certain(np.less, drop, peak):
         pairs = np.broadcast_arrays(drop, peak)
         worst = int(np.argmax(pairs[0] - pairs[1]))
@@ -719,15 +719,17 @@ def _found(
         )
     return Leak(
         **broadcast(
-            pressure=given.pressure,
-            pressure_drop=given.pressure_drop,
-            viscosity=given.viscosity,
-            outlet_pressure=outlet,
-            time=given.time,
-            temperature=given.temperature,
-            **fields,
-            percolates=flows,
-            converged=good,
+            {
+                "pressure": given.pressure,
+                "pressure_drop": given.pressure_drop,
+                "viscosity": given.viscosity,
+                "outlet_pressure": outlet,
+                "time": given.time,
+                "temperature": given.temperature,
+                **fields,
+                "percolates": flows,
+                "converged": good,
+            }
         ),
         profile=profile,
         slip_estimated=outlet is not None and not flow.slips_by_itself,

@@ -383,13 +383,15 @@ def _checked(
             f"{time}."
         )
     arrays = positive_arrays(
-        velocity=velocity,
-        load=load,
-        viscosity=viscosity,
-        temperature=temperature,
-        time=time,
+        {
+            "velocity": velocity,
+            "load": load,
+            "viscosity": viscosity,
+            "temperature": temperature,
+            "time": time,
+        }
     )
-    dims = broadcast_shape(**arrays)
+    dims = broadcast_shape(arrays)
     flat = {
         name: np.broadcast_to(value, dims).ravel() for name, value in arrays.items()
     }

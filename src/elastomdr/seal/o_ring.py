@@ -282,7 +282,7 @@ def o_ring(
     arguments |= {"time": time, "temperature": temperature}
     arguments |= {"fluid_pressure": fluid_pressure, "groove_width": groove_width}
     given = _checked(arguments, _LARGEST_SQUEEZE[formula])
-    shape = broadcast_shape(**given._asdict())
+    shape = broadcast_shape(given._asdict())
     _check_groove(given)
     young, plane = (
         _modulus(law, solid, given.time, given.temperature)
@@ -298,19 +298,21 @@ def o_ring(
     pressure = load / width
     factor, _ = thermal_factors(solid, given.temperature)
     fields = broadcast(
-        diameter=given.diameter,
-        squeeze=given.squeeze,
-        time=given.time,
-        temperature=given.temperature,
-        line_load=load,
-        width=width,
-        pressure=pressure,
-        error=0.0,
-        model_error=xp.maximum(*(xp.abs(end - load) for end in ends)),
-        fluid_pressure=given.fluid_pressure,
-        sealing_pressure=_sealing_pressure(given, pressure, young / plane),
-        fill=_fill(given),
-        converged=True,
+        {
+            "diameter": given.diameter,
+            "squeeze": given.squeeze,
+            "time": given.time,
+            "temperature": given.temperature,
+            "line_load": load,
+            "width": width,
+            "pressure": pressure,
+            "error": 0.0,
+            "model_error": xp.maximum(*(xp.abs(end - load) for end in ends)),
+            "fluid_pressure": given.fluid_pressure,
+            "sealing_pressure": _sealing_pressure(given, pressure, young / plane),
+            "fill": _fill(given),
+            "converged": True,
+        }
     )
     return ORing(
         **fields,
@@ -413,7 +415,7 @@ def _modulus(
     if time is None:
         return law.equilibrium * vertical_factor
     not_negative("time", time)
-    broadcast_shape(time=time, temperature=temperature)
+    broadcast_shape({"time": time, "temperature": temperature})
     return law.relaxation(time / time_factor) * vertical_factor
 
 

@@ -230,12 +230,16 @@ def _motion(
 ) -> _Motion:
     """The motion, checked. Raises `InputError`."""
     arrays = positive_arrays(
-        velocity_out=velocity_out, velocity_in=velocity_in, viscosity=viscosity
+        {
+            "velocity_out": velocity_out,
+            "velocity_in": velocity_in,
+            "viscosity": viscosity,
+        }
     )
     numbers = positive_arrays(
-        stroke=scalar("stroke", stroke), width=scalar("width", width)
+        {"stroke": scalar("stroke", stroke), "width": scalar("width", width)}
     )
-    return _Motion(*broadcast(**arrays).values(), *numbers.values())
+    return _Motion(*broadcast(arrays).values(), *numbers.values())
 
 
 def _packed(motion: _Motion, strokes: _Strokes, model: str, plan: str) -> Reciprocating:

@@ -289,7 +289,7 @@ class SelfAffine(AbstractSpectrum):
     ):
         exponent: Any = _plain(scalar("hurst", hurst))
         require("hurst", exponent, "from 0 to 1", lambda x: (x >= 0) & (x <= 1))
-        only_one(rms_slope=rms_slope, rms_height=rms_height)
+        only_one({"rms_slope": rms_slope, "rms_height": rms_height})
         if q_low is None or q_high is None:
             raise InputError(
                 "q_low and q_high must be given [rad/m]: friction depends on both "

@@ -339,7 +339,7 @@ def _scene(
         None if temperature is None else as_float64("temperature", temperature)
     )
     points = broadcast_shape(
-        mass=mass, velocity=velocity, temperature=temperature, **extra
+        {"mass": mass, "velocity": velocity, "temperature": temperature, **extra}
     )
     result = (len(foundations), *points) if many else points
     columns = _columns(foundations, temperature, points, many)

@@ -442,7 +442,7 @@ def _course(
             given[name] = as_float64(name, value)
             signed = pull or name == "depth"
             _check_course(name, given[name], signed, both)
-    known_time, given = time, broadcast(time=time, **given)
+    known_time, given = time, broadcast({"time": time, **given})
     if not is_traced(known_time):
         given["time"] = np.broadcast_to(known_time, given["time"].shape)
     by_depth = _where_depth_rules(given["depth"], given["load"]) if both else None

@@ -221,7 +221,9 @@ def given_history(
     for one that they cannot take.
     """
     time, position = _path(time, position)
-    control: Control = "load" if only_one(load=load, depth=depth) == "load" else "depth"
+    control: Control = (
+        "load" if only_one({"load": load, "depth": depth}) == "load" else "depth"
+    )
     value = as_float64(control, load if depth is None else depth)
     if value.shape not in ((), time.shape):
         raise InputError(

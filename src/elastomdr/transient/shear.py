@@ -123,7 +123,8 @@ def shear(
     given_numbers = (time, displacement, friction, load, depth, tangential)
     numbers_only("em.shear", material, shape, *given_numbers)
     laws = both_laws(material, tangential)
-    per_area, name = standing([laws[0]], shape), only_one(load=load, depth=depth)
+    per_area = standing([laws[0]], shape)
+    name = only_one({"load": load, "depth": depth})
     given = _checked_history(
         laws, time, name, depth if load is None else load, displacement
     )

@@ -245,9 +245,11 @@ def traction(
         material if isinstance(material, Layer) else as_foundation(material)
     )
     points = broadcast_shape(
-        velocity=velocity,
-        creepage=creepage,
-        friction=0.0 if isinstance(friction, FrictionLaw) else friction,
+        {
+            "velocity": velocity,
+            "creepage": creepage,
+            "friction": 0.0 if isinstance(friction, FrictionLaw) else friction,
+        }
     )
     velocity = xp.broadcast_to(velocity, points)
     scene = _TractionScene(
@@ -290,7 +292,7 @@ def _kinematics(
     velocity: ArrayLike, creepage: ArrayLike | None, slip: ArrayLike | None
 ) -> _Kinematics:
     """The motion, by creepage or by slip. Raises `InputError`."""
-    only_one(creepage=creepage, slip=slip)
+    only_one({"creepage": creepage, "slip": slip})
     velocity = as_float64("velocity", velocity)
     if slip is None:
         creepage = as_float64("creepage", creepage)
@@ -303,7 +305,7 @@ def _kinematics(
     )
     require("slip", slip, accepted, lambda s: np.isfinite(s) & (s < 1))
     positive("velocity", velocity)
-    broadcast_shape(velocity=velocity, slip=slip)
+    broadcast_shape({"velocity": velocity, "slip": slip})
     return _Kinematics((1 - slip) * velocity, slip / (1 - slip), slip, velocity)
 
 
