@@ -140,6 +140,7 @@ def test_axes_in_any_order(power):
         "20 °C, 200 J/K",
         "30 °C, 100 J/K",
         "30 °C, 200 J/K",
+        "steady",
     ]
     np.testing.assert_array_equal(ax.get_lines()[0].get_xdata(), [0.0, 5.0, 10.0])
 

@@ -41,7 +41,7 @@ def test_command_line(tmp_path, monkeypatch, capsys):
         "WLF",
         "residuals",
         "-5 degC",
-        "wrote 11 files",
+        "10 more files",
         "fitted.toml",
     ):
         assert said in out

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 import elastomdr as em
-from elastomdr.results.plotting import _NOTES
+from elastomdr.results.doubts import SHORT
 from elastomdr.surface.topography import MeasuredSurface
 
 from ..refused import refused
@@ -120,7 +120,8 @@ def test_a_doubt_is_found_in_all_that_is_made_of_a_curve(kind, tmp_path):
     assert f"doubt, {kind}" in curve.to_pandas().attrs
     assert kind in kinds(curve.to_dict()["doubts"])
     notes = " ".join(text.get_text() for text in curve.plot().texts)
-    assert _NOTES[kind] in " ".join(notes.split())
+    assert SHORT[kind] in " ".join(notes.split())
+    assert SHORT[kind] in dict(curve.headline())["doubts"]
 
 
 @pytest.mark.filterwarnings("ignore")

@@ -159,4 +159,5 @@ def test_figure_has_the_band_of_the_error(show):
     values = getattr(found, show)
     assert heights.max() == pytest.approx((values * (1 + half)).max())
     assert heights.min() == pytest.approx((values * (1 - half)).min())
-    assert "numerical and model error" in " ".join(t.get_text() for t in ax.texts)
+    said = [label.get_text() for label in ax.get_legend().get_texts()]
+    assert "numerical and model error" in said

@@ -389,7 +389,7 @@ class Picture:
             drawn.charts, drawn.plots(), self._panels, strict=True
         ):
             heading.text = spoken(chart.title)
-            notes.text = spoken("\n".join(chart.notes))
+            notes.text = spoken(chart.sentence)
             panel.update_figure(plot)
             dragged = str(self._dragged).lower()
             panel.client.run_javascript(f"elastomdr.ready({panel.id}, {dragged})")

@@ -10,6 +10,7 @@ import sys
 import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -56,18 +57,12 @@ def run(options: argparse.Namespace) -> int:
                 results += [] if beside is None else [em.rolling(**beside)]
             outcomes = [scene.outcome(results[0]), *results[1:]]
         notes = _notes(path, scene)
-        files: dict[str, Callable[[Path], object]] = {
-            f"{stem}.csv": lambda to: _write_table(outcomes[0], to, notes),
-            f"{stem}.png": lambda to: _write_figure(outcomes[0].plot(**shown), to),
-        }
-        if beside is not None:
-            rolling = results[1]
-            files |= {
-                f"{path.stem}-rolling.csv": lambda to: _write_table(rolling, to, notes),
-                f"{path.stem}-rolling.png": lambda to: _write_figure(
-                    rolling.plot(title=scene.title), to
-                ),
-            }
+        drawn = [(stem, outcomes[0], shown)]
+        drawn += [(f"{path.stem}-rolling", each, {}) for each in results[1:]]
+        files: dict[str, Callable[[Path], object]] = {}
+        for name, each, how in drawn:
+            files[f"{name}.csv"] = partial(_write_table, each, notes)
+            files[f"{name}.png"] = partial(_write_figure, each, how)
         sentence = scene.said(results[0])
         try:
             further = scene.further_files(results[0])
@@ -91,10 +86,8 @@ def aligned(pairs: Iterable[tuple[str, str]]) -> str:
 
 def _in_two(result: "Result") -> str:
     """What is printed of a result beside the first: its largest value and its doubts."""
-    said = dict(result.headline())
-    return aligned(
-        pair for pair in said.items() if pair[0] not in ("how sure", "rests on")
-    )
+    largest, *_, doubts = result.headline()
+    return aligned([largest, doubts])
 
 
 def output_folder(out: str) -> Path:
@@ -202,13 +195,13 @@ def _notes(path: Path, scene: Scene) -> str:
     return "".join(f"{no_formula(line)}\n" for line in lines)
 
 
-def _write_table(result: "Result | Ranking", path: Path, notes: str) -> None:
+def _write_table(result: "Result | Ranking", notes: str, path: Path) -> None:
     result.to_csv(path)
     path.write_text(notes + path.read_text(encoding="utf-8"), encoding="utf-8")
 
 
-def _write_figure(axes: Any, path: Path) -> None:
-    figure = axes.figure
+def _write_figure(result: Any, how: Arguments, path: Path) -> None:
+    figure = result.plot(**how).figure
     figure.savefig(path, dpi=_DPI, metadata={"Description": _in_words(figure)})
 
 

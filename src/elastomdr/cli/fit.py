@@ -221,13 +221,9 @@ def run(options: argparse.Namespace) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     paths = fit.save(folder)
     path = (folder / f"{fit.material.name}.toml").as_posix()
-    if options.verbose:
-        print(fit.summary())
-        print(f"wrote {len(paths)} files: {', '.join(each.name for each in paths)}")
-        print(f'in a scene file here: material = "{path}"')
-    else:
-        print(aligned(each for each in fit.findings() if each[0] in _FIRST))
-        print(aligned([("wrote", f"{path} and {len(paths) - 1} more files beside it")]))
+    said = (each for each in fit.findings() if each[0] in _FIRST)
+    print(fit.summary() if options.verbose else aligned(said))
+    print(aligned([("wrote", f"{path} and {len(paths) - 1} more files beside it")]))
     print(
         f"friction on a measured profile: elastomdr init road.toml --material {path} "
         "--profile PROFILE.csv"

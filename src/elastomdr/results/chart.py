@@ -21,7 +21,7 @@ from .plotting import (
     canvas_of,
     heading,
     names,
-    small_print,
+    sentence,
 )
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class Chart(NamedTuple):
     """One panel of a figure."""
 
     title: str
-    notes: tuple[str, ...]  # in small print
+    sentence: str  # in small print
     labels: tuple[str, str]  # of the axes
     lines: list[tuple[Trace, str]]  # with their names
     data: list[Options]  # traces
@@ -101,7 +101,7 @@ def as_plotly(make_subplots: Callable[..., Figure], axes: Axes) -> Figure:
             figure.add_shape(shape, row=1, col=column)
         figure.update_xaxes(chart.layout["xaxis"], row=1, col=column)
         figure.update_yaxes(chart.layout["yaxis"], row=1, col=column)
-    title, small = panels[0].title, "<br>".join(panels[0].notes)
+    title, small = panels[0].title, panels[0].sentence
     figure.update_layout(
         title=f"{title}<br><sup>{small}</sup>" if small else title,
         template="none",
@@ -119,7 +119,7 @@ def _chart(ax: Axes) -> Chart | None:
     entries, first = canvas.entries, ax is canvas.panels[0]
     # a band lies behind all curves
     marks = sorted(
-        (pair for pair in _marks(entries, canvas.style.words) if pair[0].ax is ax),
+        (pair for pair in _marks(entries) if pair[0].ax is ax),
         key=lambda pair: not isinstance(pair[0], Shaded),
     )
     lines = [(mark, name) for mark, name in marks if isinstance(mark, Trace)]
@@ -143,7 +143,7 @@ def _chart(ax: Axes) -> Chart | None:
     }
     return Chart(
         heading(entries) if first else "",
-        tuple(filter(None, small_print(entries))) if first else (),
+        sentence(entries) if first else "",
         labels,
         lines,
         data,
@@ -152,9 +152,9 @@ def _chart(ax: Axes) -> Chart | None:
     )
 
 
-def _marks(entries: Sequence[Entry], with_values: bool) -> Iterator[tuple[Mark, str]]:
+def _marks(entries: Sequence[Entry]) -> Iterator[tuple[Mark, str]]:
     """Marks and their names: those of the legend, else of the curve that they go with."""
-    for entry, named in zip(entries, names(entries, with_values), strict=True):
+    for entry, named in zip(entries, names(entries), strict=True):
         latest: dict[str, str] = {}
         for mark in entry.marks:
             if mark in named:

@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..checks import significant
 from .axes import Curve
 from .plotting import (
     LOG_RATIO,
     PALETTE,
-    Caption,
     Dots,
     DrawAsk,
     DrawnLine,
@@ -55,10 +53,9 @@ def draw_impact(result: Result, ask: DrawAsk) -> Axes:
         return sketch.finish()
     fine, colour = np.linspace(time[0], time[-1], 400), sketch.colours(1)[0]
     doubted = np.broadcast_to(np.ravel(sketch.dotted), fine.shape)
-    label = f"restitution {significant(float(values['restitution'][0]), 4)}"
     curve, order = Curve((), ""), np.arange(fine.size)
     smooth = CubicSpline(time, force)(fine)
-    sketch.curve(DrawnLine(curve, order, fine, fine, smooth, colour, doubted), label)
+    sketch.curve(DrawnLine(curve, order, fine, fine, smooth, colour, doubted))
     turn = time.size // 2
     sketch.add(
         Dots(
@@ -69,11 +66,6 @@ def draw_impact(result: Result, ask: DrawAsk) -> Axes:
             silent=True,
         )
     )
-    if sketch.style.words and sketch.alone:
-        depth = significant(1e3 * float(values["max_depth"][0]), 3)
-        words = f"turn, {depth} mm deep; {label}"
-        place = time[turn], force[turn]
-        sketch.add(Caption(words, *place, side="left", offset=(8.0, 2.0), single=True))
     sketch.ax.set(ylim=(0, None), xlim=(0, None))
     return sketch.finish()
 

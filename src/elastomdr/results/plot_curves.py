@@ -11,7 +11,7 @@ import numpy as np
 
 from ..checks import as_float64, positive, require, significant
 from ..errors import InputError
-from .axes import Axis, Peak, peak
+from .axes import Peak, peak
 from .doubts import found
 from .plotting import (
     FAINT,
@@ -31,10 +31,9 @@ from .plotting import (
     Trace,
     dotted,
     draw,
-    figure_of,
     frame,
+    in_short,
     intervals,
-    notes_of,
 )
 from .words import in_unit, in_words
 
@@ -71,30 +70,29 @@ def draw_curve(
     """
     points = None if measured is None else as_measured(measured)
     sketch = ResultSketch(result, ask)
-    fields, entry = sketch.fields, sketch.entry
+    fields = sketch.fields
     below, above, uncertainty = _band(fields, spread)
-    cold, hysteresis = fields.get("cold"), fields.get("hysteresis")
+    lines = list(sketch.lines())
+    single = len(lines) == 1 and sketch.alone and lines[0].x.size > 1
+    cold = fields.get("cold") if single else None
+    hysteresis = fields.get("hysteresis") if single else None
     highest = _highest(fields[sketch.y], cold, points)
-    highest_band, lines = highest, list(sketch.lines())
-    parts = len(lines) == 1 and sketch.alone and lines[0].x.size > 1
-    shaded = False
+    highest_band = highest
     for line in lines:
         top = peak(line.x, line.y)
-        label = _peak_in_words(top, line, None if sketch.along else sketch.axis)
-        drawn = sketch.curve(line, label)
+        drawn = sketch.curve(line)
         if cold is not None:
-            _thin(sketch, line, sketch.along_line(cold, line), "--")
+            look = {"colour": line.colour, "dashes": "--", "width": 0.7, "layer": 2.5}
+            x, y = line.x, sketch.along_line(cold, line)
+            sketch.add(Trace(x, y, "without heating", silent=True, **look))
         if hysteresis is not None:
-            _draw_parts(sketch, line, sketch.along_line(hysteresis, line), parts)
+            _draw_parts(sketch, line, sketch.along_line(hysteresis, line))
         down, up = (sketch.along_line(half, line) for half in (below, above))
         if (np.fmax(down, up) > _VISIBLE * highest).any():
-            shaded = True
             highest_band = max(highest_band, float(np.nanmax(line.y + up)))
-            _draw_band(sketch, line, drawn, down, up)
+            _draw_band(sketch, line, drawn, down, up, uncertainty)
         if top is not None and line.x.size > 1 and sketch.style.words:
             _peak_mark(sketch, top, line.colour)
-            if len(lines) == 1 and sketch.alone and line.x[0] < line.x[-1]:
-                _write_above(sketch, line, top, label)
     if points is not None and sketch.along:
         _draw_measured(sketch, points, lines)
     sketch.set_scale()
@@ -102,10 +100,6 @@ def draw_curve(
     sketch.ax.set_ylim(
         0.0, max(1.16 * highest, 1.04 * min(highest_band, 2 * highest), before)
     )
-    entry.notes += ["dashed: without heating"] if cold is not None else []
-    if hysteresis is not None and not parts:
-        entry.notes.append("dash-dotted: hysteresis, the rest is adhesive shear")
-    entry.notes += [f"shaded: {uncertainty}"] if shaded else []
     return sketch.finish()
 
 
@@ -144,60 +138,29 @@ def _highest(
     return highest if points is None else max(highest, float(points["mu"].max()))
 
 
-def _thin(sketch: Sketch, line: DrawnLine, y: np.ndarray, dashes: str) -> None:
-    sketch.add(
-        Trace(
-            line.x,
-            y,
-            silent=True,
-            colour=line.colour,
-            dashes=dashes,
-            width=0.7,
-            layer=2.5,
-        )
-    )
-
-
-def _draw_parts(
-    sketch: Sketch, line: DrawnLine, border: np.ndarray, areas: bool
-) -> None:
-    """Hysteresis below and adhesive shear above it, as areas under a single curve, as a
-    line under several.
-    """
-    if not areas:
-        _thin(sketch, line, border, "-.")
-        return
-    sketch.add(
-        Shaded(
-            line.x,
-            0.0 * border,
-            border,
-            "hysteresis",
-            colour=PALETTE[2],
-            opacity=0.35,
-            layer=1.5,
-        )
-    )
-    sketch.add(
-        Shaded(
-            line.x,
-            border,
-            line.y,
-            "adhesive shear",
-            colour=PALETTE[1],
-            opacity=0.35,
-            layer=1.5,
-        )
-    )
+def _draw_parts(sketch: Sketch, line: DrawnLine, border: np.ndarray) -> None:
+    """Hysteresis below and adhesive shear above it, as areas under a single curve."""
+    below, above = 0.0 * border, line.y
+    for low, high, label, colour in (
+        (below, border, "hysteresis", PALETTE[2]),
+        (border, above, "adhesive shear", PALETTE[1]),
+    ):
+        sketch.add(Shaded(line.x, low, high, label, colour, opacity=0.35, layer=1.5))
 
 
 def _draw_band(
-    sketch: Sketch, line: DrawnLine, drawn: Trace, down: np.ndarray, up: np.ndarray
+    sketch: Sketch,
+    line: DrawnLine,
+    drawn: Trace,
+    down: np.ndarray,
+    up: np.ndarray,
+    label: str,
 ) -> None:
     """The uncertainty, of a single point as a bar."""
     if line.x.size > 1:
-        low, high = np.maximum(line.y - down, 0.0), line.y + up
-        sketch.add(Shaded(line.x, low, high, colour=line.colour, of=drawn))
+        ends = np.maximum(line.y - down, 0.0), line.y + up
+        label = label if sketch.style.words else ""
+        sketch.add(Shaded(line.x, *ends, label, colour=line.colour, of=drawn))
     else:
         sketch.add(intervals(line.x, line.y - down, line.y + up, line.colour))
 
@@ -212,29 +175,6 @@ def _peak_mark(sketch: Sketch, top: Peak, colour: str) -> None:
             silent=True,
         )
     )
-
-
-def _write_above(sketch: Sketch, line: DrawnLine, top: Peak, label: str) -> None:
-    """Labels the peak so that the text stays inside the figure."""
-    scale = np.log if line.x[0] > 0 and line.x[-1] > 20 * line.x[0] else np.asarray
-    first, last = scale(line.x[0]), scale(line.x[-1])
-    share = float((scale(top.x) - first) / (last - first))
-    side = "left" if share < 0.25 else "right" if share > 0.75 else "center"
-    sketch.add(Caption(label, top.x, top.y, side=side, single=True))
-
-
-def _peak_in_words(top: Peak | None, line: DrawnLine, axis: Axis | None) -> str:
-    """The largest value and where it is, along the velocity or an `axis` of something
-    else.
-    """
-    if top is None:
-        return "no point converged"
-    x = float(line.si[np.flatnonzero(line.x == top.x)[0]])
-    name, unit = "velocity", "m/s"
-    if axis is not None:
-        name, unit = axis.name, axis.quantity.unit if axis.quantity else ""
-    place = in_words(name, float(significant(x, 3)) if name == "velocity" else x, unit)
-    return f"{top.kind} {significant(top.y, 3)} at {place}".replace("degC", "°C")
 
 
 def as_measured(measured: Measured) -> dict[str, np.ndarray]:
@@ -371,8 +311,7 @@ def draw_break_out(result: Result, ask: DrawAsk, y: str) -> Axes:
     def band(sketch: ResultSketch, line: DrawnLine, drawn: Trace) -> None:
         half, uncertainty = _uncertainty(sketch.fields)
         around = sketch.along_line(half / sketch.fields["mu"], line) * line.y
-        _draw_band(sketch, line, drawn, around, around)
-        sketch.entry.notes[:] = [f"shaded: {uncertainty}"]
+        _draw_band(sketch, line, drawn, around, around, uncertainty)
 
     return draw(result, ask, y=y, also=band)
 
@@ -387,8 +326,7 @@ def draw_heat_build_up(result: Result, ask: DrawAsk) -> Axes:
         if over_time:
             temperature = in_unit(sketch.fields["steady"][line.curve.place], "°C")
             at = float(np.ravel(temperature)[0])
-            sketch.add(Across(y=at, colour=line.colour, dashes=":"))
-            sketch.entry.notes[:] = ["dotted: steady"]
+            sketch.add(Across("steady", y=at, colour=line.colour, dashes=":"))
 
     return draw(result, ask, x="time" if over_time else "velocity", also=steady)
 
@@ -436,7 +374,7 @@ def draw_dissipation(result: Result, ask: DrawAsk) -> Axes:
             label = f"{label}, {share}" if label else share
         kept = {"x": line.x[~dashpot], "y": line.y[~dashpot]}
         line = line._replace(**kept, dotted=line.dotted[~dashpot])
-        sketch.curve(line, mark="o", label=label)
+        sketch.curve(line, label, "o")
     sketch.set_scale()
     sketch.ax.set_ylim(0.0, None)
     return sketch.finish()
@@ -504,13 +442,9 @@ def draw_ranking(ranking: Ranking, style: str | None, title: str | None) -> Axes
         ("Sliding velocity [m/s]", "Friction coefficient [-]"),
         asked=DrawAsk(title=title),
     )
-    panels = Panels(1, 2, widths=(1.4, 1.0))
-    if style is not None:
-        panels = Panels(2, 1, heights=(1.4, 1.0))
+    panels = Panels(2, 1, heights=(1.6, 1.0))
     sketch = Sketch(DrawAsk(None, style), entry, panels)
     bars, count = sketch.canvas.panels[1], len(ranking.places)
-    if sketch.style.words:
-        figure_of(bars).set_size_inches(sketch.style.wide, sketch.style.size[1])
     given = {"temperature": ranking.temperature, "pressure": ranking.pressure}
     given = {name: x for name, x in given.items() if x is not None}
     known = [place.mu for place in ranking.places if np.isfinite(place.mu)]
@@ -527,7 +461,7 @@ def draw_ranking(ranking: Ranking, style: str | None, title: str | None) -> Axes
         points = dotted(doubts, v.shape)
         sketch.add(Trace(v, np.asarray(law(v, **given)), colour=colour, dotted=points))
         _draw_bar(sketch, bars, i, place, colour, margin)
-    entry.notes += notes_of(by_material)
+    entry.notes += in_short(by_material)
     sketch.add(Across(x=ranking.velocity, colour=FAINT, dashes=":"))
     sketch.ax.set_ylim(0, None)
     bars.set(yticks=[], xlabel="Friction coefficient [-]")

@@ -2,8 +2,8 @@
 
 A `Sketch` is what is drawn together, such as one result. It draws its marks with
 matplotlib as they come, and they are kept with the axes, where `results/chart.py` reads
-them to draw the same with plotly. Title, notes and legend are made anew for all that has
-been drawn on the same axes: the legend names what the results differ in.
+them to draw the same with plotly. Title, sentence and legend are made anew for all that
+has been drawn on the same axes: the legend names what the results differ in.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 
 from ..errors import InputError
 from .axes import Curve
-from .doubts import Doubt, Kind
+from .doubts import SHORT, Doubt
 from .words import in_unit
 
 if TYPE_CHECKING:
@@ -48,27 +48,16 @@ LOG_RATIO = 20.0
 # ratio of the ends of a logarithmic axis up to which its ticks are those of a linear
 # one
 _FEW = 12.0
-_PANEL = (5.75, 5.0)  # size of a panel beside others [inches]
-_NOTES: dict[Kind, str] = {
-    "illustrative": "moduli: illustrative, of no particular rubber",
-    "extrapolated": "dotted: outside the measured range of the material",
-    "no prediction": "no bound on the model is known (dotted where in part)",
-    "hot branch": "in part another steady state exists",
-    "bound": "in part the bound on the model exceeds half of the value",
-    "estimate": "an estimate",
-}
 
 
 class Style(NamedTuple):
     """Sizes of a figure."""
 
     size: tuple[float, float]  # [inches]
-    wide: float  # width with a legend beside the axes [inches]
     panels: tuple[float, float]  # size with four panels [inches]
     text: float  # size of the labels' letters [points]
     line: float  # width of a curve [points]
-    # whether there is a title, the model's name and notes, and values in the legend
-    words: bool
+    words: bool  # whether there is a title and a sentence
     dpi: int
     settings: Mapping[str, float]
 
@@ -86,9 +75,9 @@ _FINE = {
     "axes.labelpad": 2.0,
 }
 STYLES = {
-    None: Style((6.6, 4.4), 8.6, (9.6, 6.6), 10.0, 1.8, True, 200, {}),
+    None: Style((5.2, 3.5), (8.4, 5.8), 10.0, 1.8, True, 200, {}),
     # a column of 85 mm
-    "paper": Style((3.346, 2.3), 3.346, (3.346, 3.2), 7.5, 1.1, False, 300, _FINE),
+    "paper": Style((3.346, 2.3), (3.346, 3.2), 7.5, 1.1, False, 300, _FINE),
 }
 
 
@@ -123,7 +112,6 @@ class Trace:
     x: np.ndarray
     y: np.ndarray
     label: str = ""  # in the legend
-    value: str = ""  # behind the label, where there is room for words
     is_curve: bool = False  # the legend says whose it is, and names some of many
     colour: str = INK
     dashes: str = "-"
@@ -211,7 +199,6 @@ class Shaded:
     layer: float = 2.0
     ax: Axes | None = None
     of: Trace | None = None  # the curve that it is around
-    value: ClassVar[str] = ""
     is_curve: ClassVar[bool] = False
 
     def known(self) -> np.ndarray:
@@ -240,7 +227,6 @@ class Across:
     width: float = 0.5
     layer: float = 1.0
     ax: Axes | None = None
-    value: ClassVar[str] = ""
     is_curve: ClassVar[bool] = False
 
     def draw(self, ax: Axes, style: Style) -> Artist:
@@ -264,9 +250,7 @@ class Caption:
     side: str = "center"
     offset: tuple[float, float] = (0.0, 8.0)  # [points]
     ax: Axes | None = None
-    single: bool = False  # only while nothing else is drawn
     label: ClassVar[str] = ""
-    value: ClassVar[str] = ""
     is_curve: ClassVar[bool] = False
 
     def draw(self, ax: Axes, style: Style) -> Artist:
@@ -374,6 +358,13 @@ class Sketch:
         self.entry.marks[mark] = mark.draw(mark.ax, self.style)
         return mark
 
+    def explain(self, label: str, dashes: str) -> None:
+        """Says in the legend what lines of a kind mean."""
+        if self.style.words:
+            none = np.array([np.nan])
+            look = {"colour": FAINT, "dashes": dashes, "width": 0.7}
+            self.add(Trace(none, none, label, silent=True, **look))
+
     def finish(self) -> Axes:
         """Labels, frames, title and legend of the axes; returns them."""
         self.ax.set(xlabel=self.labels[0], ylabel=self.labels[1])
@@ -425,7 +416,7 @@ class ResultSketch(Sketch):
             result.heading(),
             result.title,
             (labels[0] or names, labels[1] or self.about[self.y].axis_label),
-            result.model,
+            result.short_model(),
             dict(result.inputs),
             ask,
             result.each,
@@ -466,21 +457,18 @@ class ResultSketch(Sketch):
     def curve(
         self,
         line: DrawnLine,
-        value: str = "",
         label: str = "",
         mark: str = "",
     ) -> Trace:
-        """Draws a curve, dotted where it is to be doubted.
-
-        `label` stands in the legend in place of that of the curve, `value` behind it.
+        """Draws a curve, dotted where it is to be doubted; `label` stands in the legend
+        in place of that of the curve.
         """
-        seen = bool(np.isfinite(line.y).any() or value)
+        seen = bool(np.isfinite(line.y).any())
         return self.add(
             Trace(
                 line.x,
                 line.y,
                 (label or line.curve.label) if seen else "",
-                value,
                 is_curve=seen,
                 colour=line.colour,
                 mark=mark or ("o" if line.x.size == 1 else ""),
@@ -494,6 +482,10 @@ class ResultSketch(Sketch):
         return np.atleast_1d(values[line.curve.place])[line.order]
 
     def finish(self) -> Axes:
+        doubts = self.result.doubts
+        dots = [doubt.kind for doubt in doubts if drawn_dotted(doubt)]
+        if dots:
+            self.explain(" or ".join(dict.fromkeys(dots)), ":")
         self.set_scale()
         return super().finish()
 
@@ -605,14 +597,6 @@ def shades(count: int) -> list[str]:
     return [to_hex(each) for each in every[:count]]
 
 
-def panels(count: int) -> list[Axes]:
-    """Axes of a new figure, beside each other."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(_PANEL[0] * count, _PANEL[1]), layout="constrained")
-    return list(figure.subplots(1, count))
-
-
 def saved(ax: Axes, model: str = "", kind: str = "png") -> bytes:
     """The figure that the axes belong to as an image; the model's name goes with it
     as its description.
@@ -628,32 +612,35 @@ def saved(ax: Axes, model: str = "", kind: str = "png") -> bytes:
     return buffer.getvalue()
 
 
-def dotted(doubts: Iterable[Doubt], shape: tuple[int, ...]) -> np.ndarray:
-    """Where a curve is drawn dotted: beyond the range of the material, and where a model
-    that has a bound elsewhere has none.
+def drawn_dotted(doubt: Doubt) -> bool:
+    """Whether curves are dotted there: beyond the range of the material, and where a
+    model that has a bound elsewhere has none.
     """
+    return doubt.kind == "extrapolated" or (
+        doubt.kind == "no prediction" and not np.asarray(doubt.points).all()
+    )
+
+
+def dotted(doubts: Iterable[Doubt], shape: tuple[int, ...]) -> np.ndarray:
+    """Where a curve is drawn dotted."""
     points = np.zeros(shape, bool)
-    for doubt in doubts:
-        here = np.broadcast_to(np.asarray(doubt.points), shape)
-        if doubt.kind == "extrapolated" or (
-            doubt.kind == "no prediction" and not here.all()
-        ):
-            points = points | here
+    for doubt in filter(drawn_dotted, doubts):
+        points = points | np.broadcast_to(np.asarray(doubt.points), shape)
     return points
 
 
-def notes_of(results: Iterable[tuple[str, tuple[Doubt, ...]]]) -> list[str]:
-    """What a figure says of the doubts of results, with the materials that they are of
-    where these are not all; what did not converge is counted elsewhere.
+def in_short(results: Iterable[tuple[str, tuple[Doubt, ...]]]) -> list[str]:
+    """The kinds of doubts of results, with the materials that they are of where these
+    are not all; what did not converge is counted elsewhere.
     """
     results = list(results)
-    notes = []
-    for kind, note in _NOTES.items():
+    said = []
+    for kind, words in SHORT.items():
         names = [name for name, doubts in results if kind in {d.kind for d in doubts}]
-        which = f"{', '.join(dict.fromkeys(names))}: "
-        if names:
-            notes.append(note if len(names) == len(results) else which + note)
-    return notes
+        if names and kind != "not converged":
+            which = f"{', '.join(dict.fromkeys(names))}: "
+            said.append(words if len(names) == len(results) else which + words)
+    return said
 
 
 # ------------------------------------------------------------------------------------------
@@ -698,13 +685,10 @@ def _power(value: float, _: float | None = None) -> str:
 
 
 def _dress(canvas: Canvas) -> None:
-    """Title, notes and legend for all that has been drawn."""
+    """Title, sentence and legend for all that has been drawn."""
     entries = canvas.entries
-    for entry in entries if len(entries) > 1 else ():
-        for mark in [m for m in entry.marks if isinstance(m, Caption) and m.single]:
-            entry.marks.pop(mark).remove()
     handles: dict[str, Artist] = {}
-    for entry, named in zip(entries, names(entries, canvas.style.words), strict=True):
+    for entry, named in zip(entries, names(entries), strict=True):
         curves = [mark for mark in named if mark.is_curve]
         spread = np.linspace(0, len(curves) - 1, min(len(curves), _LEGEND))
         shown = {id(curves[round(i)]) for i in spread}
@@ -731,19 +715,19 @@ def heading(entries: Sequence[Entry]) -> str:
     return entries[0].heading if alike else entries[0].title
 
 
-def small_print(entries: Sequence[Entry]) -> tuple[str, str, str]:
-    """Models, notes and what failed."""
-    models = dict.fromkeys(entry.model for entry in entries if entry.model)
-    notes = dict.fromkeys(note for entry in entries for note in entry.notes)
-    of_doubts = notes_of((e.inputs.get("material", ""), e.doubts) for e in entries)
-    notes = {**dict.fromkeys(of_doubts), **notes}
-    counts = zip(*(entry.counted for entry in entries), strict=True)
-    failed, count = map(sum, counts)
-    missing = f"{failed} of {count} {entries[0].each} did not converge and are left out"
-    return "; ".join(models), "; ".join(notes), missing if failed else ""
+def sentence(entries: Sequence[Entry]) -> str:
+    """Models, what is to be doubted, and how many points failed."""
+    said = dict.fromkeys(entry.model for entry in entries if entry.model)
+    said |= dict.fromkeys(note for entry in entries for note in entry.notes)
+    doubts = in_short((e.inputs.get("material", ""), e.doubts) for e in entries)
+    failed, count = map(sum, zip(*(entry.counted for entry in entries), strict=True))
+    if failed:
+        doubts.append(f"{failed} of {count} {entries[0].each} not converged (left out)")
+    doubts = [f"doubts: {', '.join(doubts)}"] if doubts else []
+    return "; ".join([*said, *doubts])
 
 
-def names(entries: Sequence[Entry], with_values: bool) -> list[Mapping[Mark, str]]:
+def names(entries: Sequence[Entry]) -> list[Mapping[Mark, str]]:
     """Of each entry the marks that a legend may name, curves first, with their names."""
     named: list[Mapping[Mark, str]] = []
     for entry, name in zip(entries, _told_apart(entries), strict=True):
@@ -752,8 +736,6 @@ def names(entries: Sequence[Entry], with_values: bool) -> list[Mapping[Mark, str
             label = mark.label
             if mark.is_curve:
                 label = ", ".join(filter(None, (name, label)))
-                if label and mark.value and with_values:
-                    label = f"{label}: {mark.value}"
             if label:
                 of[mark] = label.replace("degC", "°C")
         named.append(of)
@@ -764,97 +746,61 @@ def _told_apart(entries: Sequence[Entry]) -> list[str]:
     """What sets results apart: the label that was asked for, or else the fewest inputs
     that differ.
     """
-    if len(entries) == 1:
-        return [entries[0].asked.label or ""]
     properties = [
         {
-            **entry.inputs,
-            "model": entry.model.split(" (")[0],
             "shown": entry.labels[1].partition(" [")[0].lower(),
+            "material": "",
+            **entry.inputs,
+            "model": entry.model,
         }
         for entry in entries
     ]
-    keys = dict.fromkeys(
-        ["shown", "material", *(key for each in properties for key in each)]
-    )
-    names: list[list[str]] = [[] for _ in entries]
-    unlabelled = [i for i, entry in enumerate(entries) if not entry.asked.label]
-    for key in keys:
-        values = [each.get(key, "") for each in properties]
-        distinct = len({tuple(names[i]) for i in unlabelled})
-        if len({(*names[i], values[i]) for i in unlabelled}) > distinct:
-            for i in unlabelled:
-                names[i].append(values[i])
-    alike = unlabelled and not any(names[i] for i in unlabelled)
+    names = [""] * len(entries)
+    for key in dict.fromkeys(key for each in properties for key in each):
+        longer = [
+            ", ".join(filter(None, (name, each.get(key))))
+            for name, each in zip(names, properties, strict=True)
+        ]
+        if len(set(longer)) > len(set(names)):
+            names = longer
     return [
-        entry.asked.label
-        or ", ".join(filter(None, name))
-        or (entry.inputs.get("material", "") if alike else "")
-        for entry, name in zip(entries, names, strict=True)
+        entry.asked.label or name for entry, name in zip(entries, names, strict=True)
     ]
 
 
 def _write_legend(canvas: Canvas, handles: Mapping[str, Artist]) -> None:
-    """Beside the axes; in a paper above them, in as many columns as fit, where it
-    covers nothing; below them where they are some of several that matplotlib lays out.
-    """
+    """Below the axes, of several panels below them all, in as many columns as fit."""
+    from matplotlib.transforms import ScaledTranslation
+
     style, ax = canvas.style, canvas.panels[0]
     figure = figure_of(ax)
     labels = [textwrap.fill(label, 48) for label in handles]
-    look = {"frameon": False, "borderaxespad": 0.2, "fontsize": 0.85 * style.text}
-    crowded = (
-        not canvas.own_figure
-        and len(figure.axes) > 1
-        and figure.get_layout_engine() is not None
-    )
-    if style.words and not crowded:
-        if canvas.own_figure:
-            width = style.panels[0] + 2.2 if canvas.several else style.wide
-            figure.set_size_inches(width, figure.get_size_inches()[1])
-        look |= {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0)}
-        ax.legend(handles.values(), labels, **look)
-        return
-    inches = STYLES["paper"].wide
-    if style.words:
-        inches = figure.get_size_inches()[0] * ax.get_position(original=True).width
-    columns = _columns(labels, int(inches * 120 / style.text))
-    look |= {"handlelength": 1.5, "columnspacing": 1.2, "ncols": columns}
+    size = style.panels if canvas.several else style.size
+    width = size[0]
+    if not canvas.own_figure:
+        shown = ax.get_position(original=True)
+        width = figure.get_size_inches()[0] * shown.width
+    longest = max(len(line) for label in labels for line in label.splitlines())
+    columns = int(width * 130 / style.text) // (longest + 6)
+    columns = max(1, min(columns, len(labels)))
     if canvas.own_figure:
         rows = -(-len(labels) // columns) + sum(label.count("\n") for label in labels)
-        height = style.panels[1] if canvas.several else style.size[1]
-        figure.set_size_inches(style.wide, height + 0.14 * rows)
-    if not style.words:
-        look["fontsize"] = style.text - 0.5
+        figure.set_size_inches(width, size[1] + 0.018 * style.text * rows)
+    look = {"frameon": False, "fontsize": 0.9 * style.text, "ncols": columns}
+    look |= {"handlelength": 1.5, "columnspacing": 1.2, "borderaxespad": 0.2}
     if canvas.several:
         for legend in figure.legends[:]:
             legend.remove()
-        figure.legend(handles.values(), labels, **look, loc="outside upper left")
-    elif style.words:
-        from matplotlib.transforms import ScaledTranslation
-
-        down = ScaledTranslation(0.0, -0.05 * style.text, figure.dpi_scale_trans)
-        look |= {"loc": "upper left", "bbox_transform": ax.transAxes + down}
-        ax.legend(handles.values(), labels, **look, bbox_to_anchor=(0.0, 0.0))
-    else:
-        look |= {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
-        ax.legend(handles.values(), labels, **look)
-
-
-def _columns(labels: Sequence[str], room: int) -> int:
-    """In how many columns labels fit into so many letters."""
-    letters = [len(label) for label in labels]
-    for columns in range(len(labels), 1, -1):
-        if sum(max(of) + 7 for of in np.array_split(letters, columns)) <= room:
-            return columns
-    return 1
+        figure.legend(handles.values(), labels, **look, loc="outside lower left")
+        return
+    down = ScaledTranslation(0.0, -0.045 * style.text, figure.dpi_scale_trans)
+    look |= {"loc": "upper left", "bbox_transform": ax.transAxes + down}
+    ax.legend(handles.values(), labels, **look, bbox_to_anchor=(0.0, 0.0))
 
 
 def _write_title(canvas: Canvas, title: str, asked: bool) -> list[Artist]:
-    """Above the axes, from the top: the title, in small print the model's name and what
-    lines mean, in red what failed.
-
-    Returns the artists but the title. In a paper there is only a title that was asked
-    for.
+    """Above the axes the title, and below it in small print one sentence, red where
+    points failed; in a paper only a title that was asked for. Returns the sentence.
     """
     ax, text = canvas.panels[0], canvas.style.text
     if not canvas.style.words:
@@ -862,35 +808,31 @@ def _write_title(canvas: Canvas, title: str, asked: bool) -> list[Artist]:
             ax.set_title(title, loc="left", fontsize=text + 1)
         return []
     figure = figure_of(ax)
-    bold = {"fontsize": 1.2 * text, "fontweight": "bold", "color": INK}
+    bold = {"fontsize": 1.1 * text, "fontweight": "bold", "color": INK}
+    inches = figure.get_size_inches()[0]
     if canvas.several:
         figure.suptitle(title, x=0.01, ha="left", **bold)
-    inches = figure.get_size_inches()[0] * ax.get_position(original=True).width
-    made: list[Artist] = []
-    height = 0.6 * text
-    for words, colour in zip(
-        reversed(small_print(canvas.entries)), (RED, FAINT, FAINT), strict=True
-    ):
-        lines = textwrap.wrap(words, max(30, int(170 * inches / text)))
-        if lines:
-            made.append(
-                ax.annotate(
-                    "\n".join(lines),
-                    (0, 1),
-                    (0, height),
-                    xycoords="axes fraction",
-                    textcoords="offset points",
-                    va="bottom",
-                    fontsize=0.8 * text,
-                    color=colour,
-                    linespacing=1.2,
-                )
-            )
-        height += 1.2 * text * len(lines)
+    if canvas.several or not canvas.own_figure:
+        inches *= ax.get_position(original=True).width
+    lines = textwrap.wrap(sentence(canvas.entries), max(30, int(135 * inches / text)))
     if not canvas.several:
         wrapped = "\n".join(textwrap.wrap(title, max(24, int(95 * inches / text))))
-        ax.set_title(wrapped, loc="left", pad=height + 0.4 * text, **bold)
-    return made
+        above = 1.25 * text * len(lines) + 0.9 * text
+        ax.set_title(wrapped, loc="left", pad=above, **bold)
+    if not lines:
+        return []
+    failed = any(entry.counted[0] for entry in canvas.entries)
+    made = ax.annotate(
+        "\n".join(lines),
+        (0, 1),
+        (0, 0.5 * text),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        va="bottom",
+        fontsize=0.9 * text,
+        color=RED if failed else FAINT,
+    )
+    return [made]
 
 
 def _logarithmic_if_wide(ax: Axes, x: np.ndarray) -> None:

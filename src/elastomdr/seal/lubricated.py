@@ -212,10 +212,8 @@ class Lubricated(Result):
             error = sketch.along_line(sketch.fields["trapped_error"], line)
             if show == "mu" and (error > 0).any():
                 ends = line.y - error, line.y + error
-                sketch.add(Shaded(line.x, *ends, colour=line.colour, of=drawn))
-                sketch.entry.notes.append(
-                    "band: liquid in closed channels stays or leaves"
-                )
+                said = "liquid in closed channels stays or leaves"
+                sketch.add(Shaded(line.x, *ends, said, colour=line.colour, of=drawn))
 
         return self._draw(
             partial(draw, y=show, also=band), DrawAsk(ax, style, title, label)
