@@ -14,8 +14,7 @@ import pytest
 import elastomdr as em
 from elastomdr.app import cards
 from elastomdr.results.base import Result
-from elastomdr.results.doubts import KINDS
-from elastomdr.results.plotting import _NOTES
+from elastomdr.results.doubts import KINDS, SHORT
 from elastomdr.surface.topography import MeasuredSurface
 from elastomdr.trees import replaced
 
@@ -342,5 +341,5 @@ def shown_everywhere(result: Result, expected: set[str]) -> None:
     plt.close("all")
     card = " ".join(note for each in cards.cards(result) for note in each.notes)
     for kind in expected - {"not converged"}:  # of which a figure says how many
-        assert _NOTES[kind] in " ".join(drawn.split())
+        assert SHORT[kind] in " ".join(drawn.split())
         assert f"{cards._KINDS.get(kind, kind)}: " in card

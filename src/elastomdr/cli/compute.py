@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
         else:
             said = [aligned(outcomes[0].headline()), *map(_in_two, results[1:])]
         print(*filter(None, [*said, sentence]), sep="\n")
-        print(aligned([("wrote", ", ".join(str(folder / name) for name in files))]))
+        print(f"wrote     {', '.join(str(folder / name) for name in files)}")
     return DONE if all(r.converged.all() for r in results) else NOT_CONVERGED
 
 

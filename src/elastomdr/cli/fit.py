@@ -223,7 +223,7 @@ def run(options: argparse.Namespace) -> int:
     path = (folder / f"{fit.material.name}.toml").as_posix()
     said = (each for each in fit.findings() if each[0] in _FIRST)
     print(fit.summary() if options.verbose else aligned(said))
-    print(aligned([("wrote", f"{path} and {len(paths) - 1} more files beside it")]))
+    print(f"wrote     {path} and {len(paths) - 1} more files beside it")
     print(
         f"friction on a measured profile: elastomdr init road.toml --material {path} "
         "--profile PROFILE.csv"
