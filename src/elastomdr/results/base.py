@@ -582,7 +582,7 @@ class Result:
         return self.model.split(" (")[0].split(";")[0]
 
     def told(self) -> str:
-        """The field that is told of first."""
+        """The field that the first line is of."""
         return self.shows
 
     def findings(self) -> Iterator[tuple[str, str]]:
