@@ -16,7 +16,9 @@ import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterator
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
@@ -52,35 +54,59 @@ _mode = _Mode()
 
 
 class _Namespace:
-    """NumPy or `jax.numpy`, whichever is to be used at the moment and in this
-    thread.
+    """NumPy, or `jax.numpy` where one of a function's arguments is an array of JAX's.
+
+    What is known thus stays known under `jit`, and what is made of nothing, as `zeros`,
+    is NumPy's, a constant to JAX. What is known and indexed by what JAX traces needs
+    `arrays`, or `xp.take`.
     """
+
+    def __init__(self, numpy: str, jax: str):
+        self._modules = numpy, jax
+
+    @functools.cached_property
+    def _numpy(self) -> ModuleType:
+        return import_module(self._modules[0])
 
     def __getattr__(self, name: str) -> Any:
         if _mode.numpy:
-            return getattr(np, name)
-        import jax.numpy as jnp
-
-        return getattr(jnp, name)
+            return getattr(self._numpy, name)
+        return _by_arguments(name, *self._modules)
 
 
-xp: Any = _Namespace()
+@functools.cache
+def _by_arguments(name: str, numpy: str, jax: str) -> Any:
+    plain = getattr(import_module(numpy), name)
+    if isinstance(plain, ModuleType):
+        return _Namespace(f"{numpy}.{name}", f"{jax}.{name}")
+    if not callable(plain) or isinstance(plain, type):
+        return plain
+
+    def function(*args: Any, **kwargs: Any) -> Any:
+        if any(map(_of_jax, (*args, *kwargs.values()))):
+            return getattr(import_module(jax), name)(*args, **kwargs)
+        return plain(*args, **kwargs)
+
+    return function
+
+
+def _of_jax(value: object) -> bool:
+    """Whether it is an array of JAX's, or a list of some."""
+    if type(value) in _PLAIN:
+        return False
+    if isinstance(value, (tuple, list)):
+        return any(map(_of_jax, value))
+    jax = sys.modules.get("jax")
+    return jax is not None and isinstance(value, jax.Array)
+
+
+xp: Any = _Namespace("numpy", "jax.numpy")
+special: Any = _Namespace("scipy.special", "jax.scipy.special")
 
 
 def on_numpy() -> bool:
     """Whether `xp` is NumPy at the moment."""
     return _mode.numpy
-
-
-def namespace(*trees: Any) -> Any:
-    """`jax.numpy` where JAX traces one of the arguments, NumPy otherwise; within a call
-    on NumPy nothing is traced.
-    """
-    if _mode.numpy or not is_traced(*trees):
-        return np
-    import jax.numpy as jnp
-
-    return jnp
 
 
 def numpy_unless_traced(function: Callable[P, R]) -> Callable[P, R]:
@@ -345,7 +371,7 @@ def stop_gradient(tree: R) -> R:
 
 
 def arrays(tree: PyTree) -> Any:
-    """Its leaves as arrays of `xp`; on NumPy they are already."""
+    """Its leaves as arrays that those of JAX may index; on NumPy as they are."""
     if _mode.numpy:
         return tree
     import jax

@@ -18,7 +18,6 @@ from .arrays import (
     as_numpy,
     in_float64,
     is_traced,
-    namespace,
     numpy_unless_traced,
     xp,
 )
@@ -332,10 +331,8 @@ def broadcast(arrays: Mapping[str, Any]) -> dict[str, Any]:
     `InputError` as `broadcast_shape` does.
     """
     shape = broadcast_shape(arrays)
-    # numbers that JAX does not trace stay NumPy's: under jit it would trace them too
-    numpy = namespace(*arrays.values())
     return {
-        name: None if array is None else numpy.broadcast_to(array, shape)
+        name: None if array is None else xp.broadcast_to(array, shape)
         for name, array in arrays.items()
     }
 
@@ -374,12 +371,18 @@ def plain(name: str, value: Any) -> float:
     """A Python float, for what decides how a scene is computed; raises `InputError` for
     a value that JAX traces.
     """
-    if is_traced(value):
-        raise InputError(
-            f"{name} must be a plain number: it is not differentiable, nor seen by "
-            "jit and vmap."
-        )
+    untraced(
+        f"{name} must be a plain number: it is not differentiable, nor seen by jit and "
+        "vmap.",
+        value,
+    )
     return float(scalar(name, value))
+
+
+def as_number(value: Any) -> Any:
+    """A Python float; what JAX traces as it is."""
+    known = type(value) is np.float64 or not is_traced(value)
+    return float(value) if known else value
 
 
 def is_whole(value: Any) -> bool:
@@ -410,10 +413,10 @@ def a_text(name: str, value: object) -> None:
         raise InputError(argument=name, got=value, accepted="a text")
 
 
-def untraced(name: str, value: Any, why: str) -> None:
-    """Raises `InputError` for values that JAX traces, and says why they cannot be."""
-    if is_traced(value):
-        raise InputError(f"{name} must be plain numbers: {why}.")
+def untraced(sentence: str, *values: Any) -> None:
+    """Raises `InputError`, with a sentence, where JAX traces one of the values."""
+    if is_traced(*values):
+        raise InputError(sentence)
 
 
 def written(module: Any) -> str:

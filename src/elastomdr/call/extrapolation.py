@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arrays import namespace, stop_gradient
-from ..checks import Array, is_traced
+from ..arrays import stop_gradient, xp
+from ..checks import Array, certain, is_traced
 from ..checks import known as known_values
 from ..errors import ExtrapolationWarning, ModelWarning, warn
 from ..material.validity import Range
@@ -52,7 +52,7 @@ def pressed_too_hard(pressure: Array, modulus: Array) -> tuple[Doubt, ...]:
     """
     pressure, modulus = known_values(stop_gradient((pressure, modulus)))
     points = pressure > modulus
-    if not is_traced(points) and np.any(points):
+    if certain(np.any, points):
         most = int(np.nanargmax(pressure / modulus))
         high, low = (
             np.broadcast_to(x, np.shape(points)).flat[most] for x in (pressure, modulus)
@@ -87,7 +87,7 @@ def beyond_sweep(
 def warn_of(extrapolated: Doubt) -> None:
     """Counts its points in a warning, where there are any that are known."""
     points = extrapolated.points
-    if extrapolated.found() and not is_traced(points):
+    if certain(np.any, points):
         count = f"{int(np.sum(points))} of {np.size(points)} points"
         warn(f"{count} {extrapolated.says}.", ExtrapolationWarning)
 
@@ -143,9 +143,8 @@ def held_beyond(
         return ()
     held = np.inf if time is None else time
     (held, temperature, factor), traced, quiet = _looked_at(held, temperature, factor)
-    xp = namespace(held, temperature, factor)
     with np.errstate(all="ignore"):
-        rate = xp.broadcast_to(4 * xp.asarray(factor) / xp.asarray(held), shape)
+        rate = xp.broadcast_to(4 * factor / held, shape)
     if temperature is not None:
         temperature = xp.broadcast_to(temperature, shape)
     points = known.outside(rate, temperature)
@@ -173,7 +172,6 @@ def excited_outside(
     if known is None or known.omega is None:
         return None
     (surface, reduced), _, _ = _looked_at(surface, reduced)
-    xp = namespace(surface, reduced)
     if not known.omega:
         return xp.ones(np.shape(reduced))
     if factor is not None and not isinstance(surface, RoughLine):
@@ -187,7 +185,7 @@ def excited_outside(
     low, high = (frequency / reduced for frequency in known.omega)
     if isinstance(surface, RoughLine):
         q = 2 * xp.pi * xp.fft.rfftfreq(surface.count, surface.spacing)
-        power = xp.square(q * xp.abs(xp.fft.rfft(xp.asarray(surface.height))))
+        power = xp.square(q * xp.abs(xp.fft.rfft(surface.height)))
         power = xp.append(xp.zeros(1), xp.cumsum(power))
         # a flat line excites nothing
         whole = xp.where(power[-1] == 0, 1.0, power[-1])
@@ -217,11 +215,10 @@ def rough_beyond(
     if outside is None and known.temperature is None and not known.beyond:
         return illustrative(known, shape)
     (outside, temperature, rise), traced, quiet = _looked_at(outside, temperature, rise)
-    xp = namespace(outside, temperature, rise)
     only, rate, temperatures = known._replace(omega=None), np.zeros((2, *shape)), None
     if temperature is not None:
-        body = xp.broadcast_to(xp.asarray(temperature), shape)
-        hot = xp.broadcast_to(xp.asarray(rise), shape)
+        body = xp.broadcast_to(temperature, shape)
+        hot = xp.broadcast_to(rise, shape)
         temperatures = xp.stack([body, body + xp.where(xp.isnan(hot), 0.0, hot)])
     points: Any = only.outside(rate, temperatures).any(axis=0)
     findings = [] if traced else list(only.findings(rate, temperatures))

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..arrays import namespace, stop_gradient, xp
+from ..arrays import stop_gradient
 from ..checks import (
     Array,
     as_float64,
     broadcast_shape,
+    certain,
     is_traced,
     known,
     only_one,
@@ -76,11 +77,7 @@ class SteadyScene(NamedTuple):
 
     def full(self, array: Array | float | None) -> Any:
         """`array` in the broadcast shape; None stays None."""
-        return (
-            None
-            if array is None
-            else (xp if is_traced(array) else np).zeros(self.shape) + array
-        )
+        return None if array is None else np.zeros(self.shape) + array
 
     def at_reference(self) -> Any:
         """Load or pressure over b_T, or the depth, at each point, flat."""
@@ -199,10 +196,8 @@ def _check_shift(temperature: Array, velocity: Array, factor: Array | float) -> 
 
 def hint_at_metres(shape: object) -> None:
     """Warns of a ball of more than two metres in radius."""
-    if (
-        not isinstance(shape, (Sphere, Paraboloid))
-        or is_traced(shape)
-        or not shape.radius > _LARGEST
+    if not isinstance(shape, Sphere | Paraboloid) or not certain(
+        lambda radius: radius > _LARGEST, shape.radius
     ):
         return
     radius = float(shape.radius)
@@ -234,7 +229,6 @@ def doubt_depth(
     if springs and thick is None:
         return ()
     depth, pressed, thick = known(stop_gradient((depth, shape, thick)))
-    xp = namespace(depth, pressed, thick)
     remedy = "a depth below the radius of contact"
     with np.errstate(all="ignore"):
         if springs:
@@ -243,7 +237,7 @@ def doubt_depth(
         else:
             # g(d) > d where d > a; a cylinder's g is half of a paraboloid's
             scale = 2.0 if isinstance(shape, Cylinder) else 1.0
-            points = pressed._profile(xp.asarray(scale * depth)) > depth
+            points = pressed._profile(scale * depth) > depth
             points = (points | (depth >= pressed.largest_contact)) & (depth > 0)
             round_or_flat = isinstance(
                 shape, Paraboloid | Cylinder | Sphere | FlatPunch
@@ -258,6 +252,6 @@ def doubt_depth(
     )
     says += ": mean strains above 0.2, beyond the linear theory of small strains"
     doubt = Doubt("estimate", points, says, remedy)
-    if doubt.found() and not is_traced(points):
+    if certain(np.any, points):
         warn(f"{doubt.words()}.", ModelWarning)
     return (doubt,)

@@ -352,9 +352,8 @@ def _positive(name: str, values: ArrayLike) -> np.ndarray:
         raise InputError(
             f"{name} must be a list of numbers, got an array of shape {array.shape}."
         )
-    good = np.isfinite(array) & (array > 0)
-    if not good.all():
-        i = int(np.argmin(good))
+    if not (np.isfinite(array) & (array > 0)).all():
+        i = int(np.argmin(np.isfinite(array) & (array > 0)))
         raise InputError(
             f"{name} must be positive and finite, got {array[i]:g} (entry {i})."
         )

@@ -328,18 +328,21 @@ def without_holds(parts: list[Dma]) -> list[Dma]:
     Nobody says what was changed in them: strain, time or preload. Where the strain is
     known, the fit sorts them out.
     """
-    holds = [isotherm for isotherm in parts if _is_hold(isotherm)]
-    swept = any(
+    held = [_is_hold(isotherm) for isotherm in parts]
+    swept = [
         isotherm.omega.size > 1 and isotherm.omega.max() > _SWEPT * isotherm.omega.min()
         for isotherm in parts
-    )
-    if not holds or not swept:
+    ]
+    if not any(held) or not any(swept):
         return parts
-    kept = [isotherm for isotherm in parts if isotherm not in holds]
+    kept = [isotherm for isotherm, hold in zip(parts, held, strict=True) if not hold]
+    count = sum(
+        isotherm.size for isotherm, hold in zip(parts, held, strict=True) if hold
+    )
     warning = (
-        f"{holds[0].source}: {sum(isotherm.size for isotherm in holds)} points in steps "
-        "at one frequency and temperature are left out: a sweep of something that no "
-        "column holds, such as strain or time."
+        f"{parts[held.index(True)].source}: {count} points in steps at one frequency "
+        "and temperature are left out: a "
+        "sweep of something that no column holds, such as strain or time."
     )
     return [replace(kept[0], warnings=(*kept[0].warnings, warning)), *kept[1:]]
 

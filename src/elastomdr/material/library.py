@@ -148,7 +148,7 @@ def save_material(
     file appears complete or not at all. Raises `InputError` for anything but a `Prony`
     or a `TabulatedModulus` with concrete numbers, and where the file cannot be written.
     """
-    from ..checks import is_traced
+    from ..checks import untraced
     from .prony import Prony
     from .tabulated import TabulatedModulus
 
@@ -156,11 +156,10 @@ def save_material(
         raise InputError(
             f"material must be a Prony or a TabulatedModulus, got {brief(material)}."
         )
-    if is_traced(material):
-        raise InputError(
-            "material must hold concrete numbers to be saved, got values that JAX "
-            "traces."
-        )
+    untraced(
+        "material must hold concrete numbers to be saved, got values that JAX traces.",
+        material,
+    )
     if info is not None and not isinstance(info, Mapping):
         raise InputError(f"info must be a dict, got {reprlib.repr(info)}.")
     info = info or {}

@@ -210,7 +210,6 @@ class Prony(AbstractRelaxation):
         """
         temperature = scalar("temperature", temperature)
         a, b = thermal_factors(self, temperature)
-        a, b = (x if is_traced(x) else np.asarray(x) for x in (a, b))
         known = None if self.range is None else self.range.at(temperature, a)
         law = scaled(self.law(), b)
         return replaced(
@@ -247,15 +246,11 @@ class Prony(AbstractRelaxation):
 
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""
-        if is_traced(self) or np.ndim(self.equilibrium) or np.ndim(self.moduli) != 1:
-            shape_in_words = (
-                "traced"
-                if is_traced(self)
-                else f"a batch of shape {np.shape(self.equilibrium)}"
-            )
+        traced, shape = is_traced(self), np.shape(self.equilibrium)
+        if traced or shape or np.ndim(self.moduli) != 1:
             return (
                 f"Prony({label}{self.kind}, {np.shape(self.moduli)[-1]} branches, "
-                f"{shape_in_words})"
+                f"{'traced' if traced else f'a batch of shape {shape}'})"
             )
         span = (
             f", tau {self.times[0]:.3g}..{self.times[-1]:.3g} s"

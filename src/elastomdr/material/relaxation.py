@@ -215,7 +215,7 @@ def in_order(moduli: Array, times: Array) -> tuple[Array, Array]:
         times = times[order]
         # how many of the same time
         before = np.arange(times.shape[0]) - xp.searchsorted(times, times)
-        return xp.asarray(moduli)[order], times * (1 + _APART * before)
+        return xp.take(moduli, order), times * (1 + _APART * before)
     if (np.diff(times) > 0).all():
         return moduli, times
     times, branch = np.unique(times, return_inverse=True)
@@ -238,7 +238,7 @@ def parallel(first: Relaxation, second: Relaxation) -> Relaxation:
     order = xp.argsort(times)
     return Relaxation(
         xp.asarray(first.equilibrium + second.equilibrium),
-        moduli[order],
+        xp.take(moduli, order),
         times[order],
         xp.asarray(first.viscosity + second.viscosity),
     )
@@ -292,7 +292,7 @@ def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
     kept = slice(None) if is_traced(weights) else np.flatnonzero(np.asarray(moduli) > 0)
     gaps = roots[:, None] - xp.asarray(law.times)
     closer = xp.where(has_root[:, None], near, gaps[:, kept])
-    if on_numpy():
+    if isinstance(gaps, np.ndarray):
         gaps[:, kept] = closer
     else:
         gaps = gaps.at[:, kept].set(closer)
@@ -346,7 +346,7 @@ def series(first: Relaxation, second: Relaxation) -> Relaxation:
     return to_relaxation(
         KelvinChain(
             one.instantaneous + two.instantaneous,
-            xp.concatenate([one.compliances, two.compliances])[order],
+            xp.take(xp.concatenate([one.compliances, two.compliances]), order),
             times[order],
             one.fluidity + two.fluidity,
         )

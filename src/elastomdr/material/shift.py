@@ -16,6 +16,7 @@ from ..checks import (
     alike,
     as_float64,
     ascending,
+    certain,
     in_float64,
     in_kelvin,
     is_traced,
@@ -30,6 +31,7 @@ from ..checks import (
 )
 from ..errors import InputError
 from ..numerics.interpolation import hermite, monotone_slopes
+from ..results.words import brief
 from ..trees import Tree, fill, same
 
 if TYPE_CHECKING:
@@ -228,7 +230,7 @@ class ShiftTable(AbstractShift):
         in_kelvin("temperature", temperature)
         require("log10_a", log10_a, "finite", np.isfinite)
         ascending("temperature", temperature)
-        if not is_traced(log10_a) and (np.diff(log10_a) > 0).any():
+        if not possible(lambda x: (np.diff(x) <= 0).all(), log10_a):
             raise InputError(
                 f"log10_a must fall as the temperature rises, got {log10_a.tolist()}."
             )
@@ -320,7 +322,9 @@ class VerticalTable(AbstractVertical):
         factor = as_float64("factor", factor)
         alike(2, {"temperature": temperature, "factor": factor})
         untraced(
-            "temperature", temperature, "a table is differentiated in its factors only"
+            "temperature must be plain numbers: a table is differentiated in its "
+            "factors only.",
+            temperature,
         )
         in_kelvin("temperature", temperature)
         positive("factor", factor)
@@ -394,24 +398,12 @@ def thermal_factors(body: Shifted, temperature: ArrayLike | None) -> tuple[Any, 
         return 1.0, 1.0
     if body.shift is None and body.vertical is None:
         raise InputError(
-            f"temperature was given ({_brief(temperature)}), but "
+            f"temperature was given ({brief(temperature, 'K')}), but "
             f"{body.name or 'the material'} has no shift law; give "
             "the material one with shift=em.WLF(...), or leave the temperature out."
         )
     a = 1.0 if body.shift is None else body.shift.a(temperature)
     return a, 1.0 if body.vertical is None else body.vertical.b(temperature)
-
-
-def _brief(temperature: ArrayLike) -> str:
-    if is_traced(temperature):
-        return "traced"
-    values = np.asarray(temperature, dtype=float)
-    ends = f"{values.min():g}" if values.size and values.min() == values.max() else ""
-    return (
-        f"{ends or f'{values.min():g} to {values.max():g}'} K"
-        if values.size
-        else "none"
-    )
 
 
 def same_thermal(one: Shifted, other: Shifted) -> bool:
@@ -424,6 +416,4 @@ def same_thermal(one: Shifted, other: Shifted) -> bool:
 
 
 def _same(first: _TemperatureLaw | None, second: _TemperatureLaw | None) -> bool:
-    if first is None or second is None or is_traced(first, second):
-        return first is second
-    return bool(same(first, second))
+    return first is second or certain(same, first, second)

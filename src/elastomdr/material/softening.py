@@ -195,6 +195,4 @@ def same_softening(first: Softening | None, second: Softening | None) -> bool:
     """Whether two are one, by their values; under a transformation of JAX as far as can
     be seen.
     """
-    if first is None or second is None or is_traced(first, second):
-        return first is second
-    return same(first, second)
+    return first is second or certain(same, first, second)

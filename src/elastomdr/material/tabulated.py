@@ -39,6 +39,7 @@ from ..checks import (
     one_of,
     positive,
     scalar,
+    untraced,
 )
 from ..errors import InputError
 from ..numerics.interpolation import hermite, parabola_slopes
@@ -420,11 +421,10 @@ def to_chain(table: AbstractTable) -> tuple[KelvinChain, float]:
     computed with the chain is off. Raises `InputError` under a transformation of JAX
     with respect to the table.
     """
-    if is_traced(table):
-        raise InputError(
-            "material must be an em.Prony to be differentiated here, got a traced "
-            "table."
-        )
+    untraced(
+        "material must be an em.Prony to be differentiated here, got a traced table.",
+        table,
+    )
     from scipy.optimize import nnls
 
     ends = float(table.omega[0]), float(table.omega[-1])

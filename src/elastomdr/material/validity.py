@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
-from ..arrays import namespace
+from ..arrays import xp
 from ..checks import Array, is_traced, significant, whole_number
 from ..errors import InputError
 from ..trees import replaced
@@ -109,17 +109,15 @@ class Range(NamedTuple):
         """Which passages lie outside: frequencies 2 v a_T/a [rad/s] and temperatures
         [K], of one shape.
         """
-        xp = namespace(rate, temperature)
         outside = xp.full(np.shape(rate), bool(self.beyond))
         if self.omega == ():
             outside = xp.ones(np.shape(rate), bool)
         elif self.omega:
             low, high = self.omega
-            outside |= (SLOWEST * rate < low * (1 - _ROUNDING)) | (
-                rate > high * (1 + _ROUNDING)
-            )
+            outside = outside | (SLOWEST * rate < low * (1 - _ROUNDING))
+            outside = outside | (rate > high * (1 + _ROUNDING))
         if self.temperature is not None and temperature is not None:
-            outside |= ~_near(temperature, self.temperature)
+            outside = outside | ~_near(temperature, self.temperature)
         return outside
 
     def findings(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..arrays import namespace, stop_gradient, xp
+from ..arrays import stop_gradient, xp
 from ..checks import Array, argmax, numpy_unless_traced
 
 if TYPE_CHECKING:
@@ -26,17 +26,20 @@ def hermite(
     """Cubics with given values and slopes at ascending nodes, at places x; the outer
     ones go on beyond the ends.
     """
-    xp = namespace(nodes, values, slopes, x)
-    nodes, values, slopes = map(xp.asarray, (nodes, values, slopes))
     left = xp.searchsorted(nodes, x, side="right") - 1
     left = xp.clip(left, 0, nodes.shape[0] - 2)
-    width = nodes[left + 1] - nodes[left]
-    s = (x - nodes[left]) / width
+    start, width = xp.take(nodes, left), xp.take(xp.diff(nodes), left)
+    s = (x - start) / width
+
+    def ends(values: Array) -> tuple[Array, Array]:
+        return xp.take(values, left, axis=-1), xp.take(values, left + 1, axis=-1)
+
+    (value, next_value), (slope, next_slope) = ends(values), ends(slopes)
     return (
-        (1 + 2 * s) * (1 - s) ** 2 * values[..., left]
-        + s * (1 - s) ** 2 * width * slopes[..., left]
-        + s**2 * (3 - 2 * s) * values[..., left + 1]
-        + s**2 * (s - 1) * width * slopes[..., left + 1]
+        (1 + 2 * s) * (1 - s) ** 2 * value
+        + s * (1 - s) ** 2 * width * slope
+        + s**2 * (3 - 2 * s) * next_value
+        + s**2 * (s - 1) * width * next_slope
     )
 
 
@@ -46,7 +49,6 @@ def even_cubics(
     """Cubics on even intervals, coefficients from the third power down, at `place`, in
     intervals from the lower end of the first; `left` as `interval_of` gives it.
     """
-    xp = np if type(place) is np.ndarray else namespace(place)
     s = place - left
     # each from an array of one dimension: an eighth of the time of indexing rows
     cube, square, slope, value = map(xp.take, cubics, (left, left, left, left))
@@ -55,7 +57,6 @@ def even_cubics(
 
 def interval_of(place: Array, count: int) -> Array:
     """The interval, of `count`, that a place is in; the outer ones go on beyond."""
-    xp = np if type(place) is np.ndarray else namespace(place)
     return xp.clip(xp.floor(place).astype(int), 0, count - 1)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.polynomial import laguerre, legendre
 
-from ..arrays import namespace
+from ..arrays import xp
 from ..checks import Array
 
 if TYPE_CHECKING:
@@ -57,7 +57,6 @@ def gauss_on_panels(
     """Nodes and weights, (..., panels * count), of Gauss' rule with `count` points on
     each of adjoining panels; arrays of NumPy where the edges are.
     """
-    xp = namespace(edges)
     nodes, weights = gauss(count)
     half = 0.5 * (edges[..., 1:] - edges[..., :-1])[..., None]
     x = edges[..., :-1, None] + half * (1 + nodes)

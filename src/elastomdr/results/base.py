@@ -43,8 +43,15 @@ from typing import (
 import numpy as np
 
 from .. import __version__
-from ..arrays import namespace
-from ..checks import as_float64, is_traced, known, require, significant
+from ..arrays import xp
+from ..checks import (
+    as_float64,
+    is_traced,
+    known,
+    require,
+    significant,
+    untraced,
+)
 from ..errors import InputError
 from ..files import as_path, csv_text, write_files
 from ..notebook_tables import html_figure, html_table
@@ -290,11 +297,11 @@ class Result:
         """The quantities of one kind of dimensions (None: all) as arrays. Raises
         `InputError` while JAX traces them.
         """
-        if is_traced(self):
-            raise InputError(
-                f"{type(self).__name__} has no numbers while JAX traces it. Make "
-                "tables outside jit, grad and vmap."
-            )
+        untraced(
+            f"{type(self).__name__} has no numbers while JAX traces it. Make tables "
+            "outside jit, grad and vmap.",
+            self,
+        )
         return {
             q: np.asarray(self._value(q))
             for q in self.quantities()
@@ -350,7 +357,6 @@ class Result:
         converged, size, bound, others = known(
             (self.converged, getattr(self, name), bound, others)
         )
-        xp = namespace(converged, size, bound, others)
         yield Doubt("not converged", xp.logical_not(converged))
         if others is not None:
             yield Doubt("hot branch", xp.logical_and(others, converged))
@@ -1106,9 +1112,6 @@ def _stacked(name: str, column: list[Any], given: list[Any]) -> Any:
     """Arrays along a new first axis; one that is missing is NaN (or False), the last
     axis as long as the longest.
     """
-    xp: Any = np
-    if is_traced(column):
-        import jax.numpy as xp
     shapes = {np.shape(x)[:-1] for x in given}
     if len(shapes) > 1 or len({np.ndim(x) for x in given}) > 1:
         raise InputError(

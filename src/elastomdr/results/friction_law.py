@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .. import __version__
-from ..arrays import stop_gradient, xp
+from ..arrays import arrays, stop_gradient, xp
 from ..checks import (
     Array,
     as_float64,
@@ -32,6 +32,7 @@ from ..checks import (
     numpy_unless_traced,
     positive,
     require,
+    untraced,
 )
 from ..errors import InputError
 from ..files import as_path, csv_text, read_text, write_files
@@ -114,14 +115,12 @@ class FrictionLaw(Tree):
                 f"mu must have the shape ({', '.join(axes)}) = {shape}, got "
                 f"{self.mu.shape}."
             )
-        if not is_traced(self.mu):
-            known = self.mu[~np.isnan(self.mu)]
-            require(
-                "mu",
-                known,
-                "zero or positive and finite, or NaN",
-                lambda x: (x >= 0) & np.isfinite(x),
-            )
+        require(
+            "mu",
+            xp.where(xp.isnan(self.mu), 0.0, self.mu),
+            "zero or positive and finite, or NaN",
+            lambda x: (x >= 0) & np.isfinite(x),
+        )
         is_list = isinstance(doubts, (list, tuple))
         if not is_list or not all(isinstance(doubt, Doubt) for doubt in doubts):
             raise InputError(f"doubts must be a list of Doubt, got {doubts!r:.80}.")
@@ -198,11 +197,11 @@ class FrictionLaw(Tree):
                     lambda x, a=low, b=high: (x >= a) & (x <= b),
                 )
             value = xp.broadcast_to(values[name], shape)
-            inside &= (value >= low) & (value <= high)
+            inside = inside & (value >= low) & (value <= high)
             corners.append(
                 _between(axis, value, xp.asarray if name == "temperature" else xp.log)
             )
-        grid, total = xp.asarray(self.mu), 0.0
+        grid, total = arrays(self.mu), 0.0
         for corner in itertools.product(*corners):
             weight = 1.0
             for _, factor in corner:
@@ -231,11 +230,7 @@ class FrictionLaw(Tree):
         A point that is not known is an empty cell. Raises `InputError` where the file
         cannot be written.
         """
-        if is_traced(self):
-            raise InputError(
-                "FrictionLaw has no numbers while JAX traces it. Write tables "
-                "outside jit, grad and vmap."
-            )
+        _untraced(self)
         axes = self.axes()
         points = np.meshgrid(*axes.values(), indexing="ij")
         order = " x ".join(f"{values.size} {name}" for name, values in axes.items())
@@ -407,7 +402,7 @@ def _between(
     """
     if axis.shape[0] == 1:
         return ((xp.zeros(xp.shape(value), int), xp.ones(xp.shape(value))),)
-    axis, value = xp.asarray(axis), xp.asarray(value)
+    axis = arrays(axis)
     high = xp.clip(xp.searchsorted(axis, value, side="right"), 1, axis.shape[0] - 1)
     start = scale(axis[high - 1])
     end = scale(axis[high])
@@ -416,17 +411,21 @@ def _between(
     return (high - 1, 1 - fraction), (high, fraction)
 
 
+def _untraced(law: FrictionLaw) -> None:
+    untraced(
+        "FrictionLaw has no numbers while JAX traces it. Write files outside jit, grad "
+        "and vmap.",
+        law,
+    )
+
+
 def _write(
     law: FrictionLaw, path: str | os.PathLike[str], form: str, units: str = "m"
 ) -> None:
     """Writes a law in one of the forms "abaqus", "fric_coef" and "modelica". Raises
     `InputError`.
     """
-    if is_traced(law):
-        raise InputError(
-            "FrictionLaw has no numbers while JAX traces it. Write files outside "
-            "jit, grad and vmap."
-        )
+    _untraced(law)
     if units not in _LENGTH_UNITS:
         raise InputError(
             f"units must be 'm' (m, N, Pa) or 'mm' (mm, N, MPa), got {units!r}."

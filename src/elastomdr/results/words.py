@@ -38,6 +38,13 @@ def describe(shape: Any) -> str:
     return ", ".join([shape.label, *numbers])
 
 
+def surface_in_words(surface: Any) -> str:
+    """A rough surface by its name and its numbers; a line by its name."""
+    if not hasattr(surface, "words") or is_traced(surface):
+        return surface.label
+    return f"{surface.label}, {surface.words()}"
+
+
 def covers_in_words(body: Any) -> tuple[str, ...]:
     """Each layer of an `em.layer` by its thickness and base; nothing of another
     body.

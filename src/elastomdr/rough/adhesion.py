@@ -24,6 +24,7 @@ from ..arrays import is_traced, xp
 from ..checks import (
     Array,
     as_float64,
+    certain,
     not_negative,
     numpy_unless_traced,
     positive,
@@ -221,6 +222,11 @@ def sheared(
     )
 
 
+def _exceeds(added: Array) -> bool:
+    """Whether the shear is known to exceed the pressure at a point."""
+    return certain(lambda added: (added > MOST_SHEAR).any(), added)
+
+
 def _bounded(
     model_error: Array | None, added: Array, bound: Array | float | None
 ) -> Array | None:
@@ -228,7 +234,7 @@ def _bounded(
     pressure; None where none is.
     """
     if bound is None:
-        if is_traced(added) or not (added > MOST_SHEAR).any():
+        if not _exceeds(added):
             return model_error
         bound = 0.0
     total = (0.0 if model_error is None else model_error) + added * bound
@@ -237,11 +243,9 @@ def _bounded(
 
 def _no_prediction(curve: FrictionCurve, added: Array) -> tuple[Doubt, ...]:
     """Where the shear exceeds the pressure, and from which real contact on."""
-    if is_traced(added):
+    if not _exceeds(added):
         return ()
     over = np.asarray(added > MOST_SHEAR)
-    if not over.any():
-        return ()
     says = "have no bound on the model: the shear of the contact exceeds its pressure"
     if curve.area_ratio is not None:
         least = (curve.area_ratio[over] / added[over]).min()

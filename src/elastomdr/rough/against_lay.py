@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from ..arrays import Array, namespace
+from ..arrays import Array, xp
 from .psd_integrals import Averages, Moduli, Modulus, Tables, moduli_table, read_columns
 
 if TYPE_CHECKING:
@@ -63,7 +63,6 @@ class Angles(NamedTuple):
 
 def angles(direction: Array) -> Angles:
     """Nodes for motions at `direction` [rad] to the lay, (points,)."""
-    xp = namespace(direction)
     t = _STEP * np.arange(-_STEPS, _STEPS + 1)
     near = 1 / (1 + np.exp(-t))
     far = near[::-1]
@@ -123,11 +122,10 @@ def _averages(
     finer: float,
     parted: bool,
 ) -> Averages:
-    xp = namespace(w, q, directed)
     assert directed.lay is not None
     over = Angles(*(x[:, None, None] for x in angles(directed.direction)))
     weight = over.width * directed.lay.weight(
-        xp.asarray(q)[..., None], over.cos_square, over.sin_square
+        q[..., None], over.cos_square, over.sin_square
     )
 
     def at_angles(w: Array) -> tuple[Any, Any]:

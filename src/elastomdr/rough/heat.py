@@ -16,6 +16,7 @@ import numpy as np
 
 from ..checks import (
     as_float64,
+    as_number,
     is_traced,
     not_negative,
     numpy_unless_traced,
@@ -80,7 +81,7 @@ class Heat(Tree):
         for name, value in pairs:
             value = scalar(name, value)
             positive(name, value)
-            values.append(value if is_traced(value) else float(value))
+            values.append(as_number(value))
         fill(
             self,
             conductivity=values[0],

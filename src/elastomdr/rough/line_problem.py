@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 
 from ..call.problem import SteadyScene, rough_scene
-from ..checks import is_traced, positive, scalar, whole_number
+from ..checks import (
+    is_traced,
+    positive,
+    scalar,
+    untraced,
+    whole_number,
+)
 from ..element.law import Foundation, as_foundation
 from ..errors import InputError
 from ..models import Line, seeds_of
@@ -75,12 +81,14 @@ def set_up(call: RoughCall, model: Line) -> RoughScene:
     points = rough_scene(
         foundation, surface, call.rtol, asked, "pressure", "load", "depth"
     )
-    if points.traced or is_traced(model.equivalent_length):
-        raise InputError(
-            f"model must be em.Multiscale() or em.Persson() under jax.grad, jit and "
-            f"vmap, and a surface under a pressure, got {model!r}: rough lines have no "
-            "derivatives."
-        )
+    untraced(
+        f"model must be em.Multiscale() or em.Persson() under jax.grad, jit and vmap, "
+        f"and a surface under a pressure, got {model!r}: rough lines have no "
+        "derivatives.",
+        surface,
+        points,
+        model.equivalent_length,
+    )
     check_heat(heat, asked.temperature, call.branch, False)
     if heat is not None and (isinstance(surface, RoughLine) or asked.pressure is None):
         raise InputError(
@@ -199,8 +207,6 @@ def missed(surface: Surface, model: Line) -> str | None:
     """What the line misses on a surface under a pressure, for a warning; None where
     that is little.
     """
-    if is_traced(surface):
-        return None
     if not isinstance(surface, AbstractSpectrum) or is_traced(surface):
         return None
     ratio = float(surface.q_high / surface.q_low)

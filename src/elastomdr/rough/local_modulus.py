@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, namespace
+from ..arrays import Array, xp
 from ..material.shift import thermal_factors
 from .against_lay import Directed, Which
 from .heat import highest_rise
@@ -47,7 +47,6 @@ class SoftenedByScale(NamedTuple):
 
     def strain(self, q: Array) -> Any:
         """Amplitude of strain at wave numbers q [rad/m], any shape."""
-        xp = namespace(q, self.spectrum.q, self.spectrum.c, self.share)
         square = 2 * np.pi * self.spectrum.moment(3, None, q)
         return self.share * xp.sqrt(xp.maximum(square, 1e-60))
 
@@ -88,8 +87,7 @@ class Warmed(NamedTuple):
         """The rise [K] at wave numbers q (...), in the shape (points, ...); that of
         q_high beyond it.
         """
-        xp = namespace(self.ends, self.rise, q)
-        place = place_of(namespace(self.ends, q).log(q).reshape(-1), self.ends)
+        place = place_of(xp.log(q).reshape(-1), self.ends)
         rise = self.rise @ basis(self.rise.shape[1], place).T
         highest = highest_rise(self.body, self.temperature)
         rise = xp.clip(rise, 0.0, np.reshape(highest, (-1, 1)))
@@ -187,7 +185,6 @@ def place_of(log_q: Array, ends: Array) -> Any:
     while splines over log q would be of order 1.5. Further on s goes with the root of
     u.
     """
-    xp = namespace(log_q, ends)
     u = xp.clip((log_q - ends[0]) / (ends[1] - ends[0]), _LEAST_SHARE, 1.0) / (
         1 + _ONSET
     )
@@ -234,8 +231,7 @@ def basis(count: int, place: Array) -> Any:
     Their end pieces are those of their neighbours ("not a knot"), of fourth order up to
     the ends: (n, count).
     """
-    xp = namespace(place)
     left = xp.clip(xp.floor(place * count).astype(int), 0, count - 1)
     s = (place - left / count)[:, None]
-    cubic = xp.asarray(_splines(count))[:, left]
+    cubic = xp.take(_splines(count), left, axis=1)
     return ((cubic[0] * s + cubic[1]) * s + cubic[2]) * s + cubic[3]

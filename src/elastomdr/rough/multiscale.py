@@ -49,7 +49,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, namespace, stop_gradient, xp
+from ..arrays import Array, stop_gradient, xp
 from ..checks import is_traced, known
 from ..element.law import TabulatedFoundation
 from ..material.tabulated import LEFT_OUT
@@ -223,7 +223,7 @@ def contact(
 
 def _spread(plain: Array, stiffer: Array | float) -> Array:
     """G from G_0."""
-    return plain * namespace(plain, stiffer).exp((1 - share(plain)) * stiffer)
+    return plain * xp.exp((1 - share(plain)) * stiffer)
 
 
 def averages_of(
@@ -241,7 +241,7 @@ def averages_of(
             moduli, w, q, local.directed, finer, local.parted
         )
     elif isinstance(moduli, Tables):
-        averages = read(moduli, namespace(w).log(w))
+        averages = read(moduli, xp.log(w))
     else:
         averages = direct(moduli, w, finer, local.parted)
     if averages.lost is None:
@@ -265,7 +265,7 @@ def _stiffer(
     if local.directed is not None:
         return against_lay.averages(moduli, w, q, local.directed, finer, False).stiffer
     if isinstance(moduli, Tables):
-        return read_stiffer(moduli, namespace(w).log(w))
+        return read_stiffer(moduli, xp.log(w))
     return direct(moduli, w, finer, local.parted).stiffer
 
 
@@ -310,12 +310,13 @@ def waves_of_multiscale(
 ) -> Waves:
     """Friction wave by wave, at points (velocity [m/s], pressure [Pa]), flat."""
     p = pressure[:, None, None]
-    speeds, each_point = _distinct(velocity, local)
+    speeds, each_point = velocity, lambda values: values
+    if local.warmed is None and local.directed is None:  # points differ in no more
+        speeds, each_point = distinct(velocity)
 
     def summed(values: Array) -> Any:
         return (values * wave_nodes.weight).sum((-2, -1))
 
-    xp = namespace(speeds, wave_nodes.q)
     # log(q/q_high), at q_high and beyond
     past = np.concatenate([[0.0], _PAST])
     after_q = wave_nodes.end * np.exp(past)[:, None]
@@ -390,7 +391,7 @@ def _averages_at(
     if isinstance(moduli, Tables) or not is_traced(moduli, speeds, q, local):
         on, after = (averages_of(moduli, speeds, x, local, finer) for x in q[:2])
         return on, after, _stiffer(moduli, speeds, q[2], local, finer)
-    whole = namespace(*q).concatenate([x.reshape(-1) for x in q])[:, None]
+    whole = xp.concatenate([x.reshape(-1) for x in q])[:, None]
     averages = averages_of(moduli, speeds, whole, local, finer)
     ends = np.cumsum([x.size for x in q])
 
@@ -411,12 +412,11 @@ def _averages_at(
     return averages_at(0), averages_at(1), part(2, averages.stiffer)
 
 
-def _distinct(velocity: Array, local: Local) -> tuple[Any, Callable[[Any], Any]]:
+def distinct(velocity: Array) -> tuple[Any, Callable[[Any], Any]]:
     """The velocities that differ, and what turns values at these into values at each
-    point: all velocities, and nothing, where points differ in more.
+    point.
     """
-    of_its_own = local.warmed is not None or local.directed is not None
-    if of_its_own or namespace(velocity) is not np or velocity.size == 1:
+    if is_traced(velocity):
         return velocity, lambda values: values
     speeds, which = np.unique(velocity, return_inverse=True)
     if speeds.size == velocity.size:
@@ -435,11 +435,8 @@ def _later(
     """R at log(q/q_low) (cells, 2) up to q_high: its logarithm by cubics with its
     slopes; `end` is R and dR/dlog q at q_high.
     """
-    xp = namespace(rate, log)
     flat = (rate.shape[0], -1)
-    nodes = xp.concatenate(
-        [wave_nodes.log.reshape(-1), xp.asarray(wave_nodes.log_end).reshape(1)]
-    )
+    nodes = xp.append(wave_nodes.log, wave_nodes.log_end)
     r = xp.concatenate([variance.reshape(flat), end[0][:, None]], -1)
     slope = xp.concatenate([rate.reshape(flat), end[1][:, None]], -1) / r
     inside = hermite(nodes, xp.log(r), slope, log.reshape(-1))
@@ -448,7 +445,6 @@ def _later(
 
 def _variance(spread: Array, shares: Array) -> Any:
     """<p^2>/p^2 - 1 of Persson's distribution of pressures."""
-    xp = namespace(spread, shares)
     tail = 2 * xp.sqrt(spread / np.pi) * xp.exp(-0.25 / spread)
     return 2 * spread * shares + tail - (1 - shares)
 
@@ -613,7 +609,6 @@ def felt(foundation: SteadyBody, surface: AbstractSpectrum, velocity: Array) -> 
         abs(foundation.complex_modulus(velocity * q))
         for q in (surface.q_low, surface.q_high)
     )
-    xp = namespace(modulus)
     step = np.log(_NEAR_END[1] / _NEAR_END[0])
     loss = xp.diff(xp.log(xp.maximum(modulus.imag, 1e-300)), axis=-1) / step
     of_size = xp.diff(xp.log(xp.abs(modulus)), axis=-1) / step
@@ -642,7 +637,6 @@ def bound(terms: tuple[float, float, float] | None, area: Array, felt: Felt) -> 
     if terms is None:
         return area + np.nan
     a, b, c = terms
-    xp = namespace(area, *felt)
 
     def decades(x: Array | Scalar) -> Array:
         return xp.log10(xp.maximum(x, 1.0))

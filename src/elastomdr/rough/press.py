@@ -52,7 +52,7 @@ from ..material.shift import thermal_factors
 from ..material.validity import material_in_words
 from ..models import Line, seeds_of
 from ..results.doubts import Doubt
-from ..results.words import brief
+from ..results.words import brief, surface_in_words
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
 from .results import RoughContact
@@ -139,12 +139,7 @@ def press(
     beyond = _beyond(foundation, surface, points)
     inputs = [
         *material_in_words(foundation),
-        (
-            "surface",
-            surface.label
-            if traced or isinstance(surface, RoughLine)
-            else f"{surface.label}, {surface.words()}",
-        ),
+        ("surface", surface_in_words(surface)),
         ("pressure", brief(pressure, "Pa")),
         *([] if time is None else [("time", brief(time, "s"))]),
         *([] if velocity is None else [("velocity", brief(velocity, "m/s"))]),
@@ -336,29 +331,22 @@ def _length(surface: Surface, model: Line) -> tuple[Any, str]:
 
 
 def _lines(surface: Surface, model: Line) -> list[RoughLine]:
-    from ..surface.spectrum import MOST, line_count, synthesise
+    from ..surface.spectrum import MOST, synthesise
     from .ensemble import ensemble
 
     whole_number("periods", model.periods, 1, MOST)
     seeds, samples = seeds_of(model.seeds), model.samples
     if isinstance(surface, RoughLine):
         return ensemble(surface, samples, 4, (0,))
-    if samples is None and not is_traced(surface):
-        samples = line_count(surface, model.periods, _FINE)
-    return [synthesise(surface, seed, model.periods, samples) for seed in seeds]
+    return [synthesise(surface, seed, model.periods, samples, _FINE) for seed in seeds]
 
 
 def _at_rest(points: _Points, lines: list[RoughLine], length: Array) -> _PressedContact:
     load = points.reduced_pressure * points.compliance * length
     approaches, gaps, conductances, touching = [], [], [], []
     for line in lines:
-        if not is_traced(line):
-            require(
-                "surface",
-                np.ptp(line.height),
-                "rough, with heights that differ",
-                lambda x: x > 0,
-            )
+        differ = "rough, with heights that differ"
+        require("surface", line.height, differ, lambda heights: np.ptp(heights) > 0)
         on = bearing(line.height)
         under_load = pressed(on, load)
         approaches.append(on.mean - under_load.gap)
@@ -607,11 +595,15 @@ def pressed(on: Bearing, load: Array) -> PressedLine:
     """The line under mean loads over the modulus [m], p L/E*, any shape."""
     last = on.depth.shape[0] - 1
     interval = xp.clip(xp.searchsorted(on.load, load, side="right") - 1, 0, last - 1)
-    share, rate, more = on.share[interval], on.rate[interval], load - on.load[interval]
+    # by `take`, of which either may be an array of JAX's
+    depth, share, begin, rate = (
+        xp.take(column, interval) for column in (on.depth, on.share, on.load, on.rate)
+    )
+    more = load - begin
     root = xp.sqrt(xp.maximum(share**2 + 2 * rate * more, 1e-300))
     further = 2 * more / (share + root)
     full = load >= on.load[last]
-    depth = xp.where(full, on.mean + load, on.depth[interval] + further)
+    depth = xp.where(full, on.mean + load, depth + further)
     share = xp.where(full, 1.0, xp.clip(share + rate * further, 0.0, 1.0))
     return PressedLine(
         depth, xp.where(full, 0.0, xp.maximum(on.mean - depth + load, 0.0)), share

@@ -35,7 +35,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from ..arrays import Array, namespace
+from ..arrays import Array, is_traced, special, xp
 from ..numerics.interpolation import even_cubics, hermite, interval_of
 from ..numerics.quadrature import gauss, gauss_unit
 
@@ -104,9 +104,7 @@ def nodes(
     Cells end at the points of the spectrum, and at the wave numbers `bends`, where an
     integrand may bend. `counts`: as `cell_counts` gives them.
     """
-    xp = namespace(spectrum.q, spectrum.c)
-    log_c = xp.log(xp.asarray(spectrum.c))
-    log_q = xp.log(xp.asarray(spectrum.q))
+    log_c, log_q = xp.log(spectrum.c), xp.log(spectrum.q)
     log_low, log_q = log_q[0], log_q - log_q[0]
     counts = cell_counts(spectrum, per_decade) if counts is None else counts
     first = _graded(counts[0], per_decade)
@@ -119,12 +117,13 @@ def nodes(
     low, high = (log_q[piece] + width[piece] * share for share in (start, end))
     if len(bends):
         places = xp.log(xp.stack(bends)) - log_low
-        if xp is np:
+        traced = is_traced(places)
+        if not traced:
             places = _with_between(np.sort(places), per_decade)
         # of no width, at q_high, where they lie elsewhere
         places = xp.where((places > low[0]) & (places < high[-1]), places, high[-1])
         ends = xp.concatenate([low, high[-1:], places])
-        ends = np.unique(ends) if xp is np else xp.sort(ends)
+        ends = xp.sort(ends) if traced else np.unique(ends)
         low, high = ends[:-1], ends[1:]
         piece = xp.searchsorted(log_q[1:-1], 0.5 * (low + high))
     steep = xp.diff(log_c) / width
@@ -148,7 +147,7 @@ def cell_counts(spectrum: AbstractSpectrum, per_decade: int) -> tuple[int, ...]:
     """How many cells there are between the points of a spectrum; where q is traced
     three decades are assumed.
     """
-    if namespace(spectrum.q) is not np:
+    if is_traced(spectrum.q):
         return (3 * per_decade,) * (spectrum.q.shape[0] - 1)
     decades = np.diff(np.log(spectrum.q)) / np.log(10.0)
     return tuple(np.maximum(1, np.ceil(decades * per_decade)).astype(int).tolist())
@@ -189,7 +188,6 @@ def integral_to(rate: Array, weight: Array) -> Any:
     """int dlog q of `rate` from q_low to each node, (..., cells, 2): within a cell as
     Gauss' method of order four.
     """
-    xp = namespace(rate, weight)
     first, second = rate[..., 0], rate[..., 1]
     width = 2 * weight[..., 0]
     whole = 0.5 * width * (first + second)
@@ -211,7 +209,6 @@ def faded_to(source: Array, wave_nodes: Nodes, power: int) -> tuple[Any, Any]:
     (..., cells, 2) and at q_high (...): the source is linear within a cell, the power
     exact.
     """
-    xp = namespace(source, wave_nodes.weight)
     points, weights, _ = gauss_unit(4)
     half = wave_nodes.weight[:, :1]
     middle = wave_nodes.log.mean(-1) - wave_nodes.log_end
@@ -345,14 +342,13 @@ def direct(
     return Averages(
         value.imag @ (weight * cosine),
         stiffness,
-        namespace(stiffness).log(in_contact / stiffness),
+        xp.log(in_contact / stiffness),
         value.imag**2 @ weight / stiffness if parted else None,
     )
 
 
 def read(table: Tables, log_w: Array) -> Averages:
     """The averages at log w, by cubics through four points of their logarithm."""
-    xp = namespace(log_w)
     drag, stiffness, stiffer, *lost = read_columns(table, log_w, slice(None))
     return Averages(
         xp.exp(drag), xp.exp(stiffness), stiffer, xp.exp(lost[0]) if lost else None
@@ -374,12 +370,7 @@ def read_columns(table: Tables, log_w: Array, columns: slice) -> list[Any]:
 
 def share(spread: Array) -> Any:
     """P = erf(1/(2 sqrt G))."""
-    xp = namespace(spread)
-    if xp is np:
-        from scipy.special import erf
-    else:
-        from jax.scipy.special import erf
-    return erf(0.5 / xp.sqrt(xp.maximum(spread, 1e-300)))
+    return special.erf(0.5 / xp.sqrt(xp.maximum(spread, 1e-300)))
 
 
 def factor(shares: Array, gamma: float) -> Any:
@@ -423,7 +414,6 @@ def spread_of(rate: Array, gamma: float, stored: bool) -> Any:
     """
     if not stored:
         return rate
-    xp = namespace(rate)
     log_r, cubics = _stored(float(gamma))
     x = xp.log(xp.maximum(rate, 1e-300))
     # Below the table S is 1, above it gamma: G is R, or goes with it.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import namespace, stop_gradient, xp
+from ..arrays import stop_gradient, xp
 from ..call.extrapolation import (
     beyond_sweep,
     excited_outside,
@@ -35,7 +35,7 @@ from ..material.validity import Range, misfit
 from ..results.base import WIDE
 from ..results.curve import FrictionCurve
 from ..results.doubts import Doubt
-from ..results.words import brief
+from ..results.words import brief, surface_in_words
 from ..smooth.softening import LINEAR
 from ..surface.lay import lay_of
 from ..surface.spectrum import AbstractSpectrum
@@ -185,9 +185,6 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     heat, adhesion, rtol = call.heat, call.adhesion, call.rtol
     check_adhesion(adhesion, call.asked.temperature)
     strain_share = _checked_share(call.strain_share)
-    scene = scene._replace(
-        traced=scene.traced or is_traced(heat, adhesion, strain_share)
-    )
     softened = None
     if foundation.softening is not None and model.softens:
         softened = SoftenedByScale(foundation.softening, surface, strain_share)
@@ -227,7 +224,7 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     marks += _too_much(scene, surface)
     if softened is not None:
         marks += _strained_beyond(softened, surface, scene)
-    label = _label(surface)
+    label = surface_in_words(surface)
     inputs = _inputs(scene, label, surface, heat, answer, strained, of_data, outside)
     inputs += turned.rows + states
     curve = _packed(scene, model, answer, strained, turned, of_data)
@@ -397,7 +394,7 @@ def _inputs(
     if np.any(of_data):
         share = f"at most {np.max(of_data):.0%} of mu, part of the error"
         rows += [("material against its data", share)]
-    if outside is not None and not is_traced(outside):
+    if outside is not None and not scene.traced:
         rows += [excited_beyond(outside)]
     return rows
 
@@ -751,12 +748,13 @@ def _strained_beyond(
         (softened.strain(xp.asarray(surface.q_high)), softened.softening.strain[-1])
     )
     points = xp.full(scene.shape, strain > last * (1 + 1e-9))
-    known, strains = scene.foundation.range, ""
-    if not is_traced(strain, last):
-        ends = float(strain), float(last)
-        strains = "up to {:.2g} on a sweep that ends at {:.2g}".format(*ends)
+    known = scene.foundation.range
+    if scene.traced:
+        return beyond_sweep(points, known)
+    ends = float(strain), float(last)
+    strains = "up to {:.2g} on a sweep that ends at {:.2g}".format(*ends)
     doubts = beyond_sweep(points, known, strains)
-    if not scene.traced and not (known is not None and known.illustrative):
+    if known is None or not known.illustrative:
         for doubt in doubts:
             warn_of(doubt)
     return doubts
@@ -765,14 +763,9 @@ def _strained_beyond(
 def surface_plan(call: RoughCall, model: SurfaceModel) -> SurfacePlan:
     """`em.plan` of a surface under a pressure; see there."""
     foundation, surface, scene = _set_up(call, model)
-    return _plan(foundation, scene, surface, model, call.heat, _label(surface))
-
-
-def _label(surface: AbstractSpectrum) -> str:
-    """A surface in words."""
-    if is_traced(surface):
-        return surface.label
-    return f"{surface.label}, {surface.words()}"
+    return _plan(
+        foundation, scene, surface, model, call.heat, surface_in_words(surface)
+    )
 
 
 def _plan(
@@ -808,6 +801,8 @@ def _set_up(
     only_one({"pressure": asked.pressure, "load": asked.load, "depth": asked.depth})
     foundation = surface_foundation(call.material)
     scene = rough_scene(foundation, surface, call.rtol, asked, "pressure")
+    traced = scene.traced or is_traced(heat, call.adhesion, call.strain_share)
+    scene = scene._replace(traced=traced)
     if asked.direction is not None and not model.takes_direction:
         raise InputError(
             "direction needs em.Multiscale(), em.Persson() or em.HalfSpace(), got "
@@ -817,7 +812,7 @@ def _set_up(
         heat,
         asked.temperature,
         call.branch,
-        scene.traced or is_traced(heat),
+        traced,
         model.by_wave() is not None,
     )
     # averages over directions look far below a frequency, contact edges beyond q_high
@@ -917,7 +912,6 @@ def _of_skewness(surface: AbstractSpectrum, area: Array) -> Array:
     Source: benchmarks/non_gaussian.py, maps in three dimensions.
     """
     skewness = skewness_bound(*_skewness(surface))
-    xp = namespace(area)
     area = xp.clip(area, 1e-300, 1.0)
     return _PER_SKEWNESS * skewness * xp.sqrt(-xp.log(area))
 
@@ -929,7 +923,6 @@ def _of_lay(surface: AbstractSpectrum, area: Array) -> Array:
     lay = lay_of(surface)
     if lay is None:
         return 0.0 * area
-    xp = namespace(area, lay.log_peklenik)
     stretch = xp.mean(xp.abs(lay.log_peklenik))
     return _PER_LAY * stretch * xp.sqrt(-xp.log(xp.clip(area, 1e-300, 1.0)))
 
@@ -938,7 +931,6 @@ def bound_of_heights(surface: AbstractSpectrum, area: Array) -> Array:
     """What skewness and lay of a measured surface add to a relative bound, of friction
     or of the real contact.
     """
-    xp = namespace(area)
     return xp.expm1(_of_skewness(surface, area)) + xp.expm1(_of_lay(surface, area))
 
 

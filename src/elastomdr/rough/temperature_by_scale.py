@@ -36,7 +36,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, is_traced, namespace, stop_gradient, xp
+from ..arrays import Array, is_traced, special, stop_gradient, xp
 from ..checks import known
 from ..numerics.implicit import as_doubles, implicit, numbers_with_slopes
 from ..numerics.quadrature import gauss_unit
@@ -45,7 +45,7 @@ from .adhesion import AdhesiveShear
 from .against_lay import Which, of_points, to_points
 from .heat import Heat, highest_rise
 from .local_modulus import Local, SoftenedByScale, Warmed, basis, log_stations, place_of
-from .multiscale import bends, table_of
+from .multiscale import bends, distinct, table_of
 from .psd_integrals import Moduli, Nodes, cell_counts, integral_to, nodes
 from .road_model import WaveByWave, Waves
 
@@ -417,7 +417,6 @@ def _adhesive(problem: Problem, area: Array, temperature: Array) -> Any:
 def _heated(
     problem: Problem, model: WaveByWave, c: Conduction, by_wave: Waves, rise: Array
 ) -> HeatState:
-    xp = namespace(by_wave.each, rise, problem.velocity)
     shear = _adhesive(problem, by_wave.area, problem.temperature + rise[:, -1])
     whole = by_wave.each.sum((-2, -1)) + by_wave.edges + shear
     depth = (
@@ -465,7 +464,7 @@ def _heated(
     made = flux[:, None] * (of_volume - road[:, None] * of_surface)
     # the mean by where heat arises, at nodes from the stations
     share = by_wave.each / whole[:, None, None]
-    log_q = namespace(c.wave_nodes.q).log(c.wave_nodes.q).reshape(-1)
+    log_q = xp.log(c.wave_nodes.q).reshape(-1)
     spline = basis(rise.shape[1], place_of(log_q, c.ends))
     weight = share.reshape(share.shape[0], -1) @ spline
     mean = (rise * weight).sum(-1) + (by_wave.edges + shear) / whole * rise[:, -1]
@@ -489,24 +488,13 @@ def _conduction(
     wave_nodes = nodes(problem.spectrum, per_decade, bent, cells)
     ends = _ends(problem.spectrum)
     log_q = log_stations(count, ends)
-    xp = namespace(
-        wave_nodes.q,
-        log_q,
-        problem.velocity,
-        problem.heat.conductivity,
-        problem.heat.heat_capacity,
-    )
     cell, place = _cells_of(log_q, wave_nodes)
-    k, dk = _depth_waves(wave_nodes, int(_K * (6 + decades)) + 1, xp)
+    k, dk = _depth_waves(wave_nodes, int(_K * (6 + decades)) + 1)
     # The kernel of points that share a velocity is made once.
-    velocity, again = problem.velocity, None
-    if xp is np:
-        velocity, again = np.unique(problem.velocity, return_inverse=True)
+    velocity, of_each = distinct(problem.velocity)
     w = velocity * problem.heat.heat_capacity / (2 * problem.heat.conductivity)
-    made = _kernels(wave_nodes, w, k, cell, place, xp)
-    kernel, near, line, line_near = (
-        made if again is None else (array[again] for array in made)
-    )
+    made = _kernels(wave_nodes, w, k, cell, place)
+    kernel, near, line, line_near = map(of_each, made)
     q = xp.exp(log_q)
     return Conduction(
         wave_nodes,
@@ -528,7 +516,6 @@ def _conduction(
 
 def _cells_of(log_q: Array, wave_nodes: Nodes) -> tuple[Any, Any]:
     """The cell in which each station lies, and where in it, 0 to 1."""
-    xp = namespace(wave_nodes.q, log_q)  # NumPy where only others are traced
     width = 2 * wave_nodes.weight[:, 0]
     start = xp.log(wave_nodes.q[:, 0]) - (0.5 - np.sqrt(3) / 6) * width
     cell = xp.searchsorted(start, log_q, side="right") - 1
@@ -536,7 +523,7 @@ def _cells_of(log_q: Array, wave_nodes: Nodes) -> tuple[Any, Any]:
     return cell, xp.clip((log_q - start[cell]) / width[cell], 0.0, 1.0)
 
 
-def _depth_waves(wave_nodes: Nodes, count: int, xp: Any) -> tuple[Any, Any]:
+def _depth_waves(wave_nodes: Nodes, count: int) -> tuple[Any, Any]:
     """Wave numbers k over the depth, and dk by the trapezoidal rule of log k."""
     low, high = 1e-3 * wave_nodes.q[0, 0], 1e3 * wave_nodes.end
     k = xp.exp(xp.log(low) + xp.log(high / low) * np.linspace(0.0, 1.0, count))
@@ -547,7 +534,7 @@ def _depth_waves(wave_nodes: Nodes, count: int, xp: Any) -> tuple[Any, Any]:
 
 
 def _kernels(
-    wave_nodes: Nodes, w: Array, k: Array, cell: Array, place: Array, xp: Any
+    wave_nodes: Nodes, w: Array, k: Array, cell: Array, place: Array
 ) -> tuple[Any, Any, Any, Any]:
     """`kernel`, `near`, `line` and `line_near` of `Conduction`, for each w = v/2D."""
     # Below half the shortest wave r goes with the fourth power of Gauss' nodes: over
@@ -561,7 +548,7 @@ def _kernels(
         speed, wave = w.reshape(-1, 1, *[1] * more), k.reshape(-1, *[1] * more)
         root = xp.hypot(speed, wave)
         return (
-            _i0e(speed * r)
+            special.i0e(speed * r)
             * _k0e(root * r)
             * xp.exp(-(wave**2) / (root + speed) * r)
             * r**2
@@ -572,8 +559,8 @@ def _kernels(
     beyond = (at_nodes * wave_nodes.weight).sum((-2, -1))[..., None]
     beyond = beyond - _integral_to_stations(at_nodes, wave_nodes, cell, place)
     speed = w.reshape(-1, 1, 1)
-    line = far * _i0e(speed * far)
-    line_near = (close * _i0e(speed[..., 0] * close)) @ weights
+    line = far * special.i0e(speed * far)
+    line_near = (close * special.i0e(speed[..., 0] * close)) @ weights
     return at_nodes, below[..., None] + beyond, line, line_near
 
 
@@ -586,7 +573,6 @@ def _integral_to_stations(rate: Array, wave_nodes: Nodes, cell: Array, s: Array)
     """int dlog q of `rate` (..., cells, 2) from q_low to each station: (...,
     stations).
     """
-    xp = namespace(rate, s)
     first, second = rate[..., 0], rate[..., 1]
     width = 2 * wave_nodes.weight[:, 0]
     whole = 0.5 * width * (first + second)
@@ -608,7 +594,7 @@ def _of_stations(values: Array, cell: Array, s: Array) -> Any:
 
 def _decades(spectrum: AbstractSpectrum) -> float:
     q = spectrum.q
-    return _TRACED_DECADES if namespace(q) is not np else float(np.log10(q[-1] / q[0]))
+    return _TRACED_DECADES if is_traced(q) else float(np.log10(q[-1] / q[0]))
 
 
 def _count(spectrum: AbstractSpectrum, level: int) -> int:
@@ -618,7 +604,6 @@ def _count(spectrum: AbstractSpectrum, level: int) -> int:
 
 def _ends(spectrum: AbstractSpectrum) -> Any:
     """log q_low and log q_high."""
-    xp = namespace(spectrum.q)
     return xp.log(xp.stack([spectrum.q[0], spectrum.q[-1]]))
 
 
@@ -815,27 +800,12 @@ def _settle(
     return rise, good & (rise.max(-1) <= highest)
 
 
-def _i0e(x: Array) -> Any:
-    if namespace(x) is np:
-        from scipy.special import i0e
-    else:
-        from jax.scipy.special import i0e
-    return i0e(x)
-
-
 def _k0e(x: Array) -> Any:
     """exp(x) K0(x)."""
-    if namespace(x) is np:
-        from scipy.special import k0e
-
-        return k0e(x)
-    return _k0e_of_jax(x)
-
-
-def _k0e_of_jax(x: Array) -> Any:
-    """By polynomials, to 2e-7: Abramowitz & Stegun 9.8.5 and 9.8.6."""
+    if not is_traced(x):
+        return special.k0e(x)
+    # by polynomials, to 2e-7: Abramowitz & Stegun 9.8.5 and 9.8.6
     import jax.numpy as jnp
-    from jax.scipy.special import i0e
 
     small, large = jnp.minimum(x, 2.0), jnp.maximum(x, 2.0)
     near, far = (small / 2) ** 2, 2 / large
@@ -858,7 +828,7 @@ def _k0e_of_jax(x: Array) -> Any:
         0.00053208,
     )
     first = jnp.exp(small) * (
-        -jnp.log(small / 2) * i0e(small) * jnp.exp(small)
+        -jnp.log(small / 2) * special.i0e(small) * jnp.exp(small)
         + jnp.polyval(jnp.array(low[::-1]), near)
     )
     return jnp.where(

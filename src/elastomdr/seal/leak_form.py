@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, namespace, stop_gradient, xp
+from ..arrays import Array, stop_gradient, xp
 from ..checks import is_traced, known
 from ..numerics.implicit import as_doubles, numbers_with_slopes
 from ..rough.psd_integrals import PER_DECADE, cell_counts, nodes
@@ -63,7 +63,6 @@ _WORN = 0.4  # by how much less contact closes channels, over the skewness
 
 def gap_of(ideal: Array, form: LeakForm = FORM) -> Any:
     """The mean gap from that of Persson's theory, both over the rms height."""
-    xp = namespace(ideal)
     open_ = ideal > 0
     gap = form.share * xp.where(open_, ideal, 1.0) ** (1 - form.bend)
     return xp.where(open_, gap, 0.0)
@@ -80,12 +79,11 @@ def barely_touching(gap: Array) -> Any:
     """The flow factor of surfaces that hardly touch, by their gap over the rms height
     (Patir and Cheng).
     """
-    return 1 - 0.9 * namespace(gap).exp(-0.56 * gap)
+    return 1 - 0.9 * xp.exp(-0.56 * gap)
 
 
 def through(area: Array, steep: Array, form: LeakForm = FORM) -> Any:
     """By what contact lowers the flow through the channels that it leaves open."""
-    xp = namespace(area, steep)
     power = form.power * xp.clip(steep, *_STEEP) ** -form.leans
     closed_share = xp.minimum(area / form.closes, 1 - 1e-12)
     return xp.where(

@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ..arrays import Array, namespace
+from ..arrays import Array, xp
 from ..numerics.quadrature import gauss
 from ..rough.multiscale import contact, rate_of
 from ..rough.psd_integrals import Nodes, integral_to, share
@@ -68,7 +68,6 @@ def contact_of(wave_nodes: Nodes, relative_pressure: Array) -> GapPoints:
 
 def mean_gap(contacts: GapPoints) -> Any:
     """u(q_low) [m], shape (points,)."""
-    xp = namespace(contacts.variance)
     x = 0.5 / xp.sqrt(contacts.variance)
     each = (
         contacts.wave_nodes.power
@@ -82,7 +81,6 @@ def mean_gap(contacts: GapPoints) -> Any:
 
 def gap_integral(x: Array) -> Any:
     """J(x)."""
-    xp = namespace(x)
     held = xp.minimum(x, _FAR)
     inner = chebyshev.chebval(2 * (held / _FAR) ** 2 - 1, _inner())
     value = inner - _ENERGY * (_EULER / 2 + xp.log(held)) + 3 * (1 - _ENERGY) * _ALL

@@ -16,7 +16,14 @@ import numpy as np
 from ..arrays import one_thread, stop_gradient, xp
 from ..call.model_choice import of_smooth
 from ..call.problem import SteadyScene, check_rtol, steady_scene
-from ..checks import Array, certain, is_traced, known, require, warn_unless
+from ..checks import (
+    Array,
+    certain,
+    known,
+    require,
+    untraced,
+    warn_unless,
+)
 from ..element.law import (
     TabulatedFoundation,
     normal_operator,
@@ -607,11 +614,12 @@ def _separable(body: Body, given: tuple[Any, ...]) -> Any:
     """The law of a body whose branches can be told from each other. Raises
     `InputError`.
     """
-    if is_traced(body, given):
-        raise InputError(
-            "material must not be traced: the losses of a layer by branch are "
-            "known for numbers only."
-        )
+    untraced(
+        "material must not be traced: the losses of a layer by branch are known for "
+        "numbers only.",
+        body,
+        given,
+    )
     if isinstance(body, TabulatedFoundation) or isinstance(
         getattr(body, "material", None), TabulatedModulus
     ):

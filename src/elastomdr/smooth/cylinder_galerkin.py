@@ -37,7 +37,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fori_loop, scan, xp
+from ..arrays import arrays, fori_loop, scan, xp
 from ..checks import Array
 from ..element.layer import layer_deficit, layer_kernel
 from ..material.relaxation import KelvinChain, Relaxation
@@ -618,7 +618,7 @@ def _first_product(z: Array, ratio: Array) -> Array:
     """
     small = z < _LARGE
     square = xp.where(small, 0.5 * z, 1.0) ** 2
-    harmonic = xp.asarray(np.cumsum(1 / np.arange(1.0, _POWERS)))
+    harmonic = arrays(np.cumsum(1 / np.arange(1.0, _POWERS)))
 
     def next_power(k: Array | int, state: tuple) -> tuple:
         term, i_0, rest = state
@@ -629,7 +629,7 @@ def _first_product(z: Array, ratio: Array) -> Array:
     _, i_0, rest = fori_loop(1, _POWERS, next_power, first)
     k_0 = rest - (0.5 * xp.log(square) + np.euler_gamma) * i_0
     x = 2 * _LARGE / xp.where(small, _LARGE, z) - 1
-    coefficients = xp.asarray(_ratio_of_k()[::-1])
+    coefficients = arrays(_ratio_of_k()[::-1])
 
     def clenshaw(k: Array | int, state: tuple) -> tuple:
         last, before = state

@@ -240,7 +240,7 @@ def _between_powers(exponent: Array) -> Array:
     """
     held = xp.clip(exponent, _POWERS[0], _POWERS[-1])
     left = xp.sum(held >= _POWERS[1:-1].reshape(-1, *[1] * held.ndim), axis=0)
-    start, below, rise = (xp.asarray(x)[..., left] for x in (_POWERS, _EXCESS, _RISE))
+    start, below, rise = (xp.take(x, left, axis=-1) for x in (_POWERS, _EXCESS, _RISE))
     return rise * (held - start) + below
 
 

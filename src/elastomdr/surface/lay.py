@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..arrays import namespace
+from ..arrays import xp
 from ..trees import Tree, static
 
 if TYPE_CHECKING:
@@ -58,7 +58,6 @@ class Lay(Tree):
         """W at wave numbers q, of the squares of cos b and sin b; beyond the ends of the
         table g is that at its end.
         """
-        xp = namespace(self.log_peklenik, q, cos_square)
         log_g = xp.interp(xp.log(q), xp.log(self.q), self.log_peklenik)
         g, least = xp.exp(log_g), xp.exp(-log_g)
         return 2 / (g + least) / (g * cos_square + least * sin_square) ** 2

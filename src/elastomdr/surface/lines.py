@@ -175,7 +175,7 @@ class Strips(AbstractLines):
 
     def _beside(self, size: Array, line: Array) -> Array:
         """Distance y [m] of each strip from the axis."""
-        return size * xp.sin(xp.asarray(self._angles[0])[line])
+        return size * xp.sin(xp.take(self._angles[0], line))
 
     def summation_error(self, parts: Array) -> Array:
         # Gauss' rule with n points misses about the 2n-th Legendre coefficient c of the

@@ -8,16 +8,18 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
-from ..arrays import compiled, fori_loop, lax_map, on_numpy, xp
+from ..arrays import arrays, compiled, fori_loop, lax_map, xp
 from ..checks import (
     Array,
     alike,
     as_float64,
     ascending,
+    certain,
     is_traced,
     not_negative,
     numpy_unless_traced,
     one_of,
+    possible,
     require,
     untraced,
 )
@@ -81,7 +83,7 @@ class Profile(AbstractShape):
         _check_points(r, z)
         one_of("apex", apex, "auto", "smooth", "sharp")
         one_of("curve", curve, "auto", "spline", "monotone")
-        sharp = apex == "sharp" or (apex == "auto" and _looks_sharp(r, z))
+        sharp = apex == "sharp" or (apex == "auto" and certain(_looks_sharp, r, z))
         fill(self, r=r, z=z, sharp=sharp, convex=True)
         self._join("spline" if curve == "auto" else curve)
         if is_traced(z):
@@ -119,7 +121,7 @@ class Profile(AbstractShape):
         )
 
     def _height(self, r: Array) -> Array:
-        knots, heights, pieces = map(xp.asarray, (self.r, self.z, self.pieces))
+        knots, heights, pieces = arrays((self.r, self.z, self.pieces))
         i = _interval(knots, r)
         t = r - knots[i]
         height = (
@@ -130,7 +132,7 @@ class Profile(AbstractShape):
         return self._guard(r, height)
 
     def _steepness(self, r: Array) -> Array:
-        knots, pieces = map(xp.asarray, (self.r, self.pieces))
+        knots, pieces = arrays((self.r, self.pieces))
         i = _interval(knots, r)
         t = r - knots[i]
         return self._guard(
@@ -139,7 +141,7 @@ class Profile(AbstractShape):
 
     def _profile(self, x: Array) -> Array:
         x = xp.abs(x)
-        linear, square, cubic = xp.asarray(self.pieces)[:, 0]
+        linear, square, cubic = self.pieces[:, 0]
         near = x * (0.5 * xp.pi * linear + x * (2 * square + 0.75 * xp.pi * cubic * x))
         return self._guard(
             x, xp.where(x <= self.r[1], near, _interpolated(self.r, self.line[0], x))
@@ -150,7 +152,7 @@ class Profile(AbstractShape):
         # a contact far smaller than that, where a series that is right to rounding of
         # its largest value has none left.
         sign, x = xp.sign(x), xp.abs(x)
-        linear, square, cubic = xp.asarray(self.pieces)[:, 0]
+        linear, square, cubic = self.pieces[:, 0]
         near = 0.5 * xp.pi * linear + x * (4 * square + 2.25 * xp.pi * cubic * x)
         return self._guard(
             x,
@@ -171,7 +173,9 @@ def _check_points(r: Array, z: Array) -> None:
     fall.
     """
     alike(4, {"r": r, "z": z})
-    untraced("r", r, "a Profile is differentiable in its heights z only")
+    untraced(
+        "r must be plain numbers: a Profile is differentiable in its heights z only.", r
+    )
     not_negative("r", r)
     ascending("r", r)
     require("r", r, "below 1e50 m", lambda x: x < 1e50)
@@ -180,16 +184,14 @@ def _check_points(r: Array, z: Array) -> None:
         raise InputError(
             f"r must start at 0, the lowest point of the indenter, got r[0]={r[0]:g}."
         )
-    if not is_traced(z) and (np.diff(z) < 0).any():
+    if not possible(lambda z: (np.diff(z) >= 0).all(), z):
         raise InputError(
             f"z must not fall with r, got a fall at r={r[1:][np.diff(z) < 0][0]:g}."
         )
 
 
 def _looks_sharp(r: Array, z: Array) -> bool:
-    """Whether the points rise from the axis at an angle; not seen where JAX traces."""
-    if is_traced(z):
-        return False
+    """Whether the points rise from the axis at an angle."""
     from scipy.interpolate import CubicSpline
 
     slope = CubicSpline(r, z, bc_type="not-a-knot").derivative()([0.0, r[1]])
@@ -238,7 +240,7 @@ def _line(r: Array, pieces: Array) -> Float[Array, "2 degree intervals"]:
 
 def _interpolated(r: Array, table: Float[Array, "degree intervals"], x: Array) -> Array:
     """A Chebyshev series of `_line` at places x >= 0, by Clenshaw's recurrence."""
-    r, table = xp.asarray(r), xp.asarray(table)
+    r, table = arrays((r, table))
     interval = _interval(r, x)
     start, width = r[interval], (r[1:] - r[:-1])[interval]
     s = xp.sqrt(xp.maximum((x - start) / width, 0.0) + _DELTA)
@@ -258,8 +260,7 @@ def _interval(r: Array, x: Array) -> Array:
     """The interval of `r` in which each x lies; the outer ones for what lies
     outside.
     """
-    scan = {} if on_numpy() else {"method": "scan"}
-    return xp.clip(xp.searchsorted(r, x, side="right", **scan) - 1, 0, r.shape[0] - 2)
+    return xp.clip(xp.searchsorted(r, x, side="right") - 1, 0, r.shape[0] - 2)
 
 
 def _abel(x: Array, apex: Array, knots: Array, jumps: Array) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..arrays import compiled, namespace, on_numpy, stop_gradient, xp
+from ..arrays import compiled, on_numpy, stop_gradient, xp
 from ..checks import (
     Array,
     alike,
@@ -50,7 +50,9 @@ class RoughLine(Tree):
     def __init__(self, x: ArrayLike, height: ArrayLike, *, resample: bool = False):
         x, height = as_float64("x", x), as_float64("height", height)
         alike(4, {"x": x, "height": height})
-        untraced("x", x, "a RoughLine is differentiable in its heights")
+        untraced(
+            "x must be plain numbers: a RoughLine is differentiable in its heights.", x
+        )
         finite("x", x)
         finite("height", height)
         ascending("x", x)
@@ -143,11 +145,10 @@ class RoughLine(Tree):
         return line_of_heights(self._finer(factor), self.spacing / factor)
 
     def _finer(self, factor: int) -> Float[Array, " m"]:
-        numpy = namespace(self.height)
         coefficients = spline_coefficients(self.height)
-        near = numpy.stack([numpy.roll(coefficients, 1 - m) for m in range(4)])
-        parts = [_cubic(near, numpy.asarray(j / factor)) for j in range(factor)]
-        return numpy.stack(parts, axis=1).reshape(-1)
+        near = xp.stack([xp.roll(coefficients, 1 - m) for m in range(4)])
+        parts = [_cubic(near, np.asarray(j / factor)) for j in range(factor)]
+        return xp.stack(parts, axis=1).reshape(-1)
 
 
 def line_of_heights(height: Array, spacing: Array | float) -> RoughLine:
@@ -160,11 +161,9 @@ def spline_coefficients(height: Float[Array, " n"]) -> Float[Array, " n"]:
     """B-spline coefficients c of the periodic cubic spline: (c_{i-1} + 4 c_i +
     c_{i+1})/6 = h_i.
     """
-    # plain numbers by NumPy: JAX would compile each step
-    numpy = namespace(height)
     angle = 2 * np.pi * np.arange(height.shape[0] // 2 + 1) / height.shape[0]
-    spectrum = numpy.fft.rfft(height) * 3 / (2 + np.cos(angle))
-    return numpy.fft.irfft(spectrum, n=height.shape[0])
+    spectrum = xp.fft.rfft(height) * 3 / (2 + np.cos(angle))
+    return xp.fft.irfft(spectrum, n=height.shape[0])
 
 
 def _slice(x: Array, start: Array, count: int) -> Array:

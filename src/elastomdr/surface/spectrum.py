@@ -31,10 +31,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ..arrays import namespace, xp
+from ..arrays import xp
 from ..checks import (
     alike,
     as_float64,
+    as_number,
     ascending,
     certain,
     in_si,
@@ -46,6 +47,7 @@ from ..checks import (
     possible,
     require,
     scalar,
+    untraced,
     whole_number,
 )
 from ..errors import InputError, closest
@@ -93,24 +95,24 @@ class AbstractSpectrum(Tree):
     @property
     def q_low(self) -> Scalar:
         """Lower cutoff [rad/m]."""
-        return _plain(self.q[0])
+        return as_number(self.q[0])
 
     @property
     def q_high(self) -> Scalar:
         """Upper cutoff [rad/m]."""
-        return _plain(self.q[-1])
+        return as_number(self.q[-1])
 
     @property
     def rms_height(self) -> Scalar:
         """Root of the mean square height [m]."""
-        return _plain((2 * np.pi * self.moment(1)) ** 0.5)
+        return as_number((2 * np.pi * self.moment(1)) ** 0.5)
 
     @property
     def rms_slope(self) -> Scalar:
         """Root of the mean of |grad h|^2; that of a straight cut is smaller by the root
         of 2.
         """
-        return _plain((2 * np.pi * self.moment(3)) ** 0.5)
+        return as_number((2 * np.pi * self.moment(3)) ** 0.5)
 
     @property
     def full_contact_length(self) -> Scalar:
@@ -118,7 +120,7 @@ class AbstractSpectrum(Tree):
         friction in full contact is that of the surface, for a loss modulus that does
         not depend on frequency (each wave has 2/q).
         """
-        return _plain(2 * self.moment(2) / self.moment(3))
+        return as_number(2 * self.moment(2) / self.moment(3))
 
     def at(self, q: ArrayLike) -> Float[np.ndarray, "..."]:
         """C(q) [m^4], zero outside the cutoffs."""
@@ -139,8 +141,7 @@ class AbstractSpectrum(Tree):
 
     @numpy_unless_traced
     def _until(self, power: float, q: ArrayLike) -> Array:
-        xp = namespace(self, q)
-        q = xp.clip(xp.asarray(q, dtype=np.float64), self.q_low, self.q_high)
+        q = xp.clip(q, self.q_low, self.q_high)
         start = xp.log(self.q[:-1])
         slope = xp.diff(xp.log(self.c)) / xp.diff(xp.log(self.q)) + power + 1
         width = xp.clip(xp.log(q)[..., None] - start, 0.0, xp.diff(xp.log(self.q)))
@@ -167,13 +168,14 @@ class AbstractSpectrum(Tree):
         """The same spectrum up to `q_high` [rad/m]; beyond its last point it goes on as
         its last power law. Raises `InputError`, under a transformation of JAX too.
         """
-        end: Any = _plain(scalar("q_high", q_high))
-        if is_traced(self, end):
-            raise InputError(
-                "q_high: which points of a table are kept needs concrete numbers, got "
-                "values that JAX traces; of em.SelfAffine(..., q_high=) friction has a "
-                "derivative."
-            )
+        end: Any = as_number(scalar("q_high", q_high))
+        untraced(
+            "q_high: which points of a table are kept needs concrete numbers, got "
+            "values that JAX traces; of em.SelfAffine(..., q_high=) friction has a "
+            "derivative.",
+            self,
+            end,
+        )
         require(
             "q_high",
             end,
@@ -191,7 +193,7 @@ class AbstractSpectrum(Tree):
 
     def raised(self, factor: Number) -> "AbstractSpectrum":
         """The same surface with all heights times `factor`."""
-        times: Any = _plain(scalar("factor", factor))
+        times: Any = as_number(scalar("factor", factor))
         positive("factor", times)
         return Spectrum(self.q, self.c * times**2, convention="2d")
 
@@ -287,7 +289,7 @@ class SelfAffine(AbstractSpectrum):
         *,
         rms_height: Number | None = None,
     ):
-        exponent: Any = _plain(scalar("hurst", hurst))
+        exponent: Any = as_number(scalar("hurst", hurst))
         require("hurst", exponent, "from 0 to 1", lambda x: (x >= 0) & (x <= 1))
         only_one({"rms_slope": rms_slope, "rms_height": rms_height})
         if q_low is None or q_high is None:
@@ -363,10 +365,11 @@ class Spectrum(AbstractSpectrum):
     def __init__(self, q: ArrayLike, c: ArrayLike, *, convention: Convention):
         check_convention(convention)
         q, c = np.asarray(as_float64("q", q)), as_float64("c", c)
-        if is_traced(c) and not convention.startswith("2d"):
-            raise InputError(
+        if not convention.startswith("2d"):
+            untraced(
                 "c must be a plain list under JAX's transformations for "
-                f"convention={convention!r}."
+                f"convention={convention!r}.",
+                c,
             )
         if c.ndim == 2:
             raise InputError(
@@ -404,11 +407,6 @@ def check_convention(convention: object) -> None:
         raise InputError(
             f"convention must be one of {listed}; got {convention!r}.{hint}"
         )
-
-
-def _plain(value: Any) -> Any:
-    known = type(value) is np.float64 or not is_traced(value)
-    return float(value) if known else value
 
 
 def _from_cut(q: np.ndarray, cut: np.ndarray) -> np.ndarray:
@@ -483,6 +481,11 @@ def as_spectrum(name: str, value: object) -> AbstractSpectrum:
 
 def line_count(spectrum: AbstractSpectrum, periods: int, per_wave: float) -> int:
     """Samples of a line, a power of two. Raises `InputError` beyond `MOST`."""
+    untraced(
+        "samples must be given where JAX traces the cutoffs of a surface: how many a "
+        "line needs depends on them.",
+        spectrum.q,
+    )
     needed = periods * per_wave * spectrum.q_high / spectrum.q_low
     if not needed <= MOST:
         raise InputError(
@@ -500,19 +503,16 @@ def synthesise(
     seed: int,
     periods: int = PERIODS,
     samples: int | None = None,
+    per_wave: float = PER_WAVE,
 ) -> RoughLine:
-    """One line of the ensemble, `periods` longest wavelengths long; the same numbers
-    for the same seed.
+    """One line of the ensemble, `periods` longest wavelengths long, with so many
+    samples `per_wave` where their number is not given; the same numbers for the same
+    seed.
     """
     whole_number("periods", periods, 1, MOST)
     if samples is not None:
         whole_number("samples", samples, 64, MOST)
-    if samples is None and is_traced(spectrum.q):
-        raise InputError(
-            "samples must be given where JAX traces the cutoffs of a surface: how "
-            "many a line needs depends on them."
-        )
-    n = line_count(spectrum, periods, PER_WAVE) if samples is None else samples
+    n = line_count(spectrum, periods, per_wave) if samples is None else samples
     length = 2 * np.pi * periods / spectrum.q_low
     step = 2 * np.pi / length
     wave = step * np.arange(1, n // 2)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..call.model_choice import is_rough
 from ..call.several_materials import RTOL
-from ..checks import as_float64, is_traced
+from ..checks import as_float64, untraced
 from ..errors import InputError
 from ..material.validity import Draws
 from ..results.base import distinct
@@ -214,11 +214,8 @@ def grid(call: object, axes: object, fixed: dict[str, object]) -> Grid:
 
 def _checked_values(name: str, values: Sequence[object] | np.ndarray) -> list[Any]:
     """The values of an axis. Raises `InputError`."""
-    traced = InputError(
-        f"axes[{name!r}] must not be traced: a sweep writes numbers to a store."
-    )
-    if is_traced(values):
-        raise traced
+    traced = f"axes[{name!r}] must not be traced: a sweep writes numbers to a store."
+    untraced(traced, values)
     listed = np.asarray(values).tolist() if hasattr(values, "__array__") else values
     is_list = (
         not isinstance(listed, (str, bytes, Mapping))
@@ -233,8 +230,7 @@ def _checked_values(name: str, values: Sequence[object] | np.ndarray) -> list[An
             f"axes[{name!r}] must be a list or an array with one dimension, "
             f"got {values!r}."
         )
-    if is_traced(*listed):
-        raise traced
+    untraced(traced, *listed)
     return list(listed)
 
 

@@ -240,7 +240,7 @@ def edges(
 
         def pick(j: Array) -> tuple[Array, Array]:
             j = xp.clip(j, 0, size - 1)
-            return grid[j], xp.take_along_axis(value, j[:, None], axis=1)[:, 0]
+            return xp.take(grid, j), xp.take_along_axis(value, j[:, None], axis=1)[:, 0]
 
         touched = xp.sum(~free, axis=1)  # elements in contact, the innermost ones
         first = (pick(touched - 1), pick(touched - 2), pick(touched), pick(touched + 1))

@@ -318,7 +318,7 @@ def _surface(
 
 def _heights(track: RoughLine, x: Array) -> Any:
     """Heights of the track at the places x, counted from its highest point."""
-    coefficients = xp.asarray(spline_coefficients(track.height))
+    coefficients = arrays(spline_coefficients(track.height))
     whole = xp.floor(x / track.spacing)
     t = x / track.spacing - whole
     i = whole.astype(xp.int64)

@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import stop_gradient, xp
+from ..arrays import arrays, stop_gradient, xp
 from ..checks import Array, is_traced, numpy_unless_traced
 from ..element.law import Foundation, half_space
 from ..element.layer import Layer, layer_deficit
@@ -258,7 +258,7 @@ class LayerDisc(Disc):
             0,
             _ENDS.size - 2,
         )
-        ends = xp.asarray(_ENDS)
+        ends = arrays(_ENDS)
         half = 0.5 * (ends[panel + 1] - ends[panel])
         y = (alpha - ends[panel]) / half - 1
         columns = [xp.ones_like(y), y]
@@ -268,7 +268,7 @@ class LayerDisc(Disc):
 
     def _read(self, table: Array, place: _Place) -> tuple[Array, Array]:
         """A function at a place of the tables, and its derivative by the radius."""
-        rows = xp.asarray(table)[place.panel]
+        rows = arrays(table)[place.panel]
         slopes = place.chebyshev @ xp.asarray(_slopes())
         return (
             xp.sum(place.chebyshev * rows, axis=-1),

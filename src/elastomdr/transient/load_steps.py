@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, namespace, stop_gradient, xp
+from ..arrays import compiled, stop_gradient, xp
 from ..checks import Array, is_traced, nan_unless
 from ..element.episode import Modes
 from ..errors import InputError
@@ -196,9 +196,8 @@ def _ruled(
     begin = begin + np.tile(np.arange(finer), line.share.size) * share
     part = share / (1 - begin)
     part[finer * (line.instant + 1) - 1] = 1.0
-    numpy = namespace(value)
     return even._replace(
-        value=numpy.concatenate([value[:1], value[1:][interval]]),
+        value=xp.concatenate([value[:1], value[1:][interval]]),
         in_turn=InTurn(
             np.append(1.0, part), np.append(by_depth[0], by_depth[1:][interval])
         ),

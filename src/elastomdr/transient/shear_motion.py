@@ -505,7 +505,7 @@ def _edge(grid: HalfLine, value: Array) -> Array:
         inner > outer, inner / xp.where(inner > outer, inner - outer, 1.0), 0.0
     )
     between = (
-        grid.x[xp.clip(i - 1, 0, n - 1)]
+        xp.take(grid.x, xp.clip(i - 1, 0, n - 1))
         + xp.clip(xp.where(xp.isfinite(fraction), fraction, 1.0), 0, 1) * grid.width
     )
     return xp.where(

@@ -228,13 +228,16 @@ def _sticking_length(
 
     No derivative of it is needed: at its end both tractions are equal.
     """
-    held, ends = stop_gradient(sheared), xp.asarray(_step_ends(steps))
+    held, ends = stop_gradient(sheared), _step_ends(steps)
 
     def sticks(distance: Array) -> Array:
         return limit_at(distance) - held.ramp(distance)[0] > 0
 
     low, high = stop_gradient(
-        tuple(held.length * ends[xp.clip(first_slip + i, 0, steps)] for i in (-2, 1))
+        tuple(
+            held.length * xp.take(ends, xp.clip(first_slip + i, 0, steps))
+            for i in (-2, 1)
+        )
     )
     low, high = bisect(sticks, low, high, _HALVINGS)
     return xp.where(
@@ -258,8 +261,9 @@ def _step_ends(steps: int) -> np.ndarray:
 
 def _in_blocks(steps: int) -> tuple[Array, Array]:
     """Ends of the steps, of which some are prepared together: (blocks, steps)."""
-    ends = xp.asarray(_step_ends(steps))
-    return tuple(x.reshape(-1, _STEPS_AT_ONCE) for x in (ends[:-1], ends[1:]))
+    ends = _step_ends(steps)
+    blocks = (-1, _STEPS_AT_ONCE)
+    return ends[:-1].reshape(blocks), ends[1:].reshape(blocks)
 
 
 class _Marched(NamedTuple):

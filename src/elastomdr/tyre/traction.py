@@ -26,6 +26,7 @@ from ..checks import (
     only_one,
     positive,
     require,
+    untraced,
     warn_unless,
 )
 from ..element.law import Foundation, as_foundation
@@ -647,11 +648,12 @@ def _checked_layer(
             "tangential must be left out with an em.layer, which knows its own "
             "shear stiffness."
         )
-    if is_traced(layer, *scene[:-2]):
-        raise InputError(
-            "material must be em.springs or a half-space under jit, grad and vmap, "
-            "not an em.layer."
-        )
+    untraced(
+        "material must be em.springs or a half-space under jit, grad and vmap, not an "
+        "em.layer.",
+        layer,
+        *scene[:-2],
+    )
     if (scene.load is None) == (scene.depth is None):
         raise InputError("load or depth must be given, and only one of them.")
     single = layer.other is None and layer.bonded and layer.constant
