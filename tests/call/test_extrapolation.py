@@ -13,7 +13,6 @@ from elastomdr.cli.main import main
 from elastomdr.errors import InputError
 from elastomdr.material.validity import Range, shared
 from elastomdr.results.base import Result
-from elastomdr.trees import replaced
 
 from ..refused import mentions, warned
 
@@ -487,7 +486,8 @@ def _warming(material):
     )
 
 
-# Of every class of results, a call outside the range of the material.
+# Of every class of results, a call outside the range of the material: see
+# `results/test_every_doubt.py`.
 OUTSIDE = {
     "FrictionCurve": lambda m: em.friction(
         m, ROAD, velocity=[0.1, 1.0], pressure=3e5, temperature=COLD
@@ -608,36 +608,6 @@ def test_every_class_of_results_is_looked_at():
         *OUTSIDE,
         *BLIND,
     }
-
-
-@pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("name", OUTSIDE)
-def test_every_result_says_where_it_is_extrapolated(name):
-    found = OUTSIDE[name](RUBBER)
-    assert type(found).__name__ == name
-    assert found.extrapolated.shape == np.shape(found.converged)
-    assert found.extrapolated.any()
-    assert "range of the data" not in found.summary()
-    assert "extrapolated" in [doubt.kind for doubt in found.doubts]
-    assert "beyond the range" in found.csv()
-
-
-@pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("name", OUTSIDE)
-def test_every_result_says_that_its_rubber_is_illustrative(name):
-    """In every class of results: at all points, in summary, table and attributes."""
-    made_up = replaced(RUBBER, range=RUBBER.range._replace(illustrative_moduli=True))
-    found = OUTSIDE[name](made_up)
-    (doubt,) = (each for each in found.doubts if each.kind == "illustrative")
-    assert doubt.points.shape == np.shape(found.converged)
-    assert doubt.points.all()
-    assert "of no particular rubber" in found.summary()
-    assert all("illustrative" in kinds for kinds in found.columns()["doubts"])
-    flags = found.to_xarray()["doubts"]
-    bit = flags.attrs["flag_masks"][
-        flags.attrs["flag_meanings"].split().index("illustrative")
-    ]
-    assert (flags.values & bit == bit).all()
 
 
 @pytest.mark.filterwarnings("ignore")

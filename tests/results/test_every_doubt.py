@@ -306,18 +306,22 @@ def test_a_doubt_is_found_wherever_its_result_is_shown(name, said, made):
     assert type(result).__name__ == name
     expected = set(said.split(", "))
     assert expected <= kinds(result.doubts)
+    if "illustrative" in expected:
+        (doubt,) = (each for each in result.doubts if each.kind == "illustrative")
+        assert doubt.points.all()
     shown_everywhere(result, expected)
 
 
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("name", OUTSIDE)
-def test_points_that_did_not_converge_are_found_wherever_they_are_shown(name):
+def test_points_that_failed_or_lie_outside_are_found_wherever_they_are_shown(name):
     result = OUTSIDE[name](RUBBER)
     failed = np.array(result.converged)
     failed.flat[0] = False
     result = dataclasses.replace(result, converged=failed)
     assert points(result.doubts, "not converged").flat[0]
-    shown_everywhere(result, {"not converged"})
+    assert result.extrapolated.any()
+    shown_everywhere(result, {"not converged", "extrapolated"})
 
 
 def shown_everywhere(result: Result, expected: set[str]) -> None:
