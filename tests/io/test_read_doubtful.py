@@ -30,6 +30,9 @@ def written(path, titles, *columns, mark=","):
     return path
 
 
+HELD = {"strain": "1 %"}  # which no file of a modulus alone says
+
+
 def read(path, **options):
     """Without a warning."""
     with warnings.catch_warnings():
@@ -195,7 +198,7 @@ def test_times_as_hours_minutes_seconds(titles, mark, tmp_path):
     path = written(
         tmp_path / "a.txt", remark + titles, cells, 1 + TIMES**-0.2, mark=mark
     )
-    dma = read(path, temperature=293.15)
+    dma = read(path, temperature=293.15, columns=HELD)
     np.testing.assert_allclose(dma.time, TIMES)
     np.testing.assert_allclose(dma.relaxation, 1e6 * (1 + TIMES**-0.2))
 
@@ -209,7 +212,7 @@ def test_durations_in_a_spreadsheet(tmp_path):
         book.active.append([datetime.timedelta(seconds=float(t)), 1 + float(t) ** -0.2])
     book.save(tmp_path / "a.xlsx")
     np.testing.assert_allclose(
-        read(tmp_path / "a.xlsx", temperature=293.15).time, TIMES
+        read(tmp_path / "a.xlsx", temperature=293.15, columns=HELD).time, TIMES
     )
 
 

@@ -2,6 +2,8 @@
 is tested, whatever the titles say.
 """
 
+import contextlib
+
 import numpy as np
 import pytest
 
@@ -101,7 +103,7 @@ def test_cycles_in_one_table(tmp_path):
         holds_first_creep(em.read_dma(file, **SHEAR))
     # a compliance alone: it falls where the stress is taken away
     file.write_text(table("time [s],J(t) [1/Pa]", columns[0], columns[2] / STRESS))
-    with warned(FitWarning, "creep turns back"):
+    with warned(FitWarning, "creep turns back"), warned(FitWarning, UNTOLD):
         dma = em.read_dma(file, **SHEAR)
     assert 25 <= dma.time.size <= 35  # elastic recovery is a third of it
     np.testing.assert_allclose(1 / dma.relaxation[:25], compliance(TIME), rtol=1e-5)
@@ -154,6 +156,7 @@ def test_a_strain_and_a_compliance_say_what_the_stress_was(tmp_path):
     np.testing.assert_allclose(1 / read.relaxation, compliance(t), rtol=1e-6)
 
 
+UNTOLD = "nothing in the file tells"
 T = np.geomspace(0.5, 200, 40)
 GROWN = ramped(T)
 START_UP = 0.01 * (EQUILIBRIUM * T - BRANCH * TAU * np.expm1(-T / TAU))
@@ -175,10 +178,34 @@ NOT_HELD = {
     ),
 }
 
+RAMP = (50 * T, GROWN / (50 * T), 50 * T / GROWN)  # stress, "J", "G"
+for varies in (
+    *("engineering stress [Pa]", "true stress [MPa]", "sigma_xy", "P", "F [N]"),
+    *("Standardkraft", "Standardkraft [N]", "M [mNm]", "load [kg]", "P [V]"),
+):
+    NOT_HELD[f"t [s],{varies},J [1/Pa]"] = (T, RAMP[0], RAMP[1])
+    NOT_HELD[f"t [s],{varies},G(t) [Pa]"] = (T, RAMP[0], RAMP[2])
+for varies in ("Traverse", "Traverse [mm]", "crosshead", "eps [%]", "twist [mrad]"):
+    NOT_HELD[f"t [s],{varies},J [1/Pa]"] = (T, GROWN, RAMP[1])
+    NOT_HELD[f"t [s],{varies},G(t) [Pa]"] = (T, GROWN, RAMP[2])
+NOT_HELD |= {
+    "t [s],stretch,G(t) [Pa]": (T, 1 + 0.01 * T, START_UP / (0.01 * T)),
+    "t [s],gamma dot,G(t) [Pa]": (T, 0 * T + 0.01, START_UP / (0.01 * T)),
+    "t [s],gamma dot [1/s],J [1/Pa]": (T, 0 * T + 0.01, 0.01 * T / START_UP),
+    "t [s],speed [1/min],J [1/Pa]": (T, 0.02 * T, RAMP[1]),
+    "t [s],viscosity [Pa s],G(t) [Pa]": (T, START_UP / 0.01, START_UP / (0.01 * T)),
+    "t [s],viscosity,G(t) [Pa]": (T, START_UP / 0.01, START_UP / (0.01 * T)),
+    # what is held here is the other of both
+    "t [s],P,J [1/Pa]": (T, relaxation(T), 1 / relaxation(T)),
+    "t [s],eps,G(t) [Pa]": (T, compliance(T), 1 / compliance(T)),
+}
+
 
 @pytest.mark.parametrize("titles", NOT_HELD)
 def test_forces_angles_and_rates_say_that_nothing_was_held(tmp_path, titles):
-    """Whatever is in proportion to stress or strain; the user's word is believed."""
+    """Whatever is in proportion to stress or strain, by its unit or by what it does;
+    the user's word is believed.
+    """
     columns, file = NOT_HELD[titles], tmp_path / "test.csv"
     file.write_text(table(titles, *columns))
     with refused("", 2, "held over time"):
@@ -196,7 +223,14 @@ def test_forces_angles_and_rates_say_that_nothing_was_held(tmp_path, titles):
         ("time [s],angle [mrad],J [1/Pa]", (3 * compliance(T), compliance(T))),
         ("time [s],displacement [mm],G(t) [Pa]", (0 * T - 0.1, relaxation(T))),
         ("time [s],force [N],G(t) [Pa]", (2 * relaxation(T), relaxation(T))),
-        ("time [s],shear rate [1/s],G(t) [Pa]", (1e-9 * np.sin(T), relaxation(T))),
+        ("time [s],P,J [1/Pa]", (3 * compliance(T), compliance(T))),
+        ("time [s],P [V],G(t) [Pa]", (3 * relaxation(T), relaxation(T))),
+        ("time [s],crosshead [mm],G(t) [Pa]", (0 * T + 3, relaxation(T))),
+        ("time [s],Standardkraft [N],J [1/Pa]", (0 * T + 3, compliance(T))),
+        (
+            "time [s],torque [mNm],normal force [N],gap [mm],J [1/Pa]",
+            (0 * T + 2, np.cos(T), 1 + T, compliance(T)),
+        ),
     ],
 )
 def test_forces_angles_and_rates_of_what_was_held(tmp_path, titles, columns):
@@ -205,6 +239,39 @@ def test_forces_angles_and_rates_of_what_was_held(tmp_path, titles, columns):
     read = em.read_dma(file, **SHEAR)
     last = columns[-1] if "G(t)" in titles else 1 / columns[-1]
     np.testing.assert_allclose(read.relaxation, last, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("title", "beside"),
+    [
+        ("", None),
+        ("no", np.arange(1, T.size + 1)),
+        ("status", 0 * T),
+        ("normal force [N]", np.cos(T)),
+        ("gap [mm]", 1 + T / 100),
+        ("shear rate [1/s]", np.exp(-T)),
+        ("energy [J]", T),
+        ("chamber [degC]", 23 + T / 10),
+        ("elapsed [min]", 5 + T / 60),
+        ("torque [mNm]", 0 * T),
+    ],
+)
+def test_where_nothing_tells_what_was_held_this_is_said(tmp_path, title, beside):
+    """So where a compliance or a modulus stands alone, or beside what may vary."""
+    file = tmp_path / "test.csv"
+    for name, values, said, ramp in (
+        ("J [1/Pa]", compliance(T), {"stress": "1 kPa"}, None),
+        ("G(t) [Pa]", relaxation(T), {"strain": "1 %"}, 0.1),
+    ):
+        columns = [T, values] if beside is None else [T, beside, values]
+        titles = ["t [s]", *[title] * (beside is not None), name]
+        file.write_text(table(",".join(titles), *columns))
+        with warned(FitWarning, UNTOLD):
+            read = em.read_dma(file, **SHEAR)
+        np.testing.assert_allclose(read.time, T)
+        em.read_dma(file, columns=said, **SHEAR)
+        if ramp:
+            em.read_dma(file, ramp=ramp, **SHEAR)
 
 
 def test_of_stairs_the_first_step_is_read(tmp_path):
@@ -226,12 +293,16 @@ def test_a_second_step_of_strain_is_left_out(tmp_path):
     modulus = relaxation(t) + np.where(t > 20, relaxation(t - 20), 0.0)
     strain = np.where(t <= 20, 0.01, 0.02)
     file = tmp_path / "steps.csv"
-    for titles, columns in (
-        ("time [s],strain [-],relaxation modulus [Pa]", (t, strain, modulus)),
-        ("time [s],G(t) [Pa]", (t, modulus)),
+    for titles, *columns in (
+        ("time [s],strain [-],relaxation modulus [Pa]", t, strain, modulus),
+        ("time [s],G(t) [Pa]", t, modulus),
     ):
         file.write_text(table(titles, *columns))
-        with warned(FitWarning, 20, 22):
+        told = len(columns) == 3
+        with (
+            warned(FitWarning, 20, 22),
+            contextlib.nullcontext() if told else warned(FitWarning, UNTOLD),
+        ):
             dma = em.read_dma(file, **SHEAR)
         np.testing.assert_allclose(dma.relaxation, relaxation(t[:20]), rtol=1e-6)
 

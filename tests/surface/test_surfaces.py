@@ -174,7 +174,7 @@ def test_measured_profile(tmp_path):
     assert got.rms_height < 1.1 * got.measured_height
     kept = 2 * np.pi * surface.moment(3, got.q_low, got.q_high)
     np.testing.assert_allclose(got.rms_slope, kept**0.5, rtol=0.05)
-    for word in ("1 of 8193 points without a value", "came before", "sorted"):
+    for word in ("1 of 8193 points without a value", "came before"):
         assert word in " ".join(got.report)
     file.write_text("x,height\n0,0\n1,1")
     with pytest.raises(em.InputError, match="no unit of length"):
@@ -329,9 +329,7 @@ def test_maps_with_flaws(tmp_path):
 
     shuffled = map_file(tmp_path / "map.csv", rng.permutation(rows))
     np.testing.assert_allclose(shuffled.c, clean.c, rtol=1e-9)
-    first, *rest = shuffled.report
-    assert "row by row" in first
-    assert tuple(rest) == clean.report
+    assert shuffled.report == clean.report
 
     higher = np.array([0, 0, 0.2])
     again = map_file(

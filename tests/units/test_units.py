@@ -70,6 +70,8 @@ FACTORS = {
     },
     "length": {"m": 1, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9, "in": INCH},
     "wave number": {"1/m": 1, "rad/m": 1, "1/um": 1e6},
+    "force": {"N": 1, "kN": 1e3, "mN": 1e-3, "kgf": 9.80665},
+    "torque": {"N*m": 1, "Nm": 1, "mNm": 1e-3, "µNm": 1e-6, "N.mm": 1e-3},
     "m^4": {"m^4": 1, "mm^4": 1e-12, "um^4": 1e-24},
     "m^3": {"m^3": 1, "mm^3": 1e-9, "um^3": 1e-18},
 }

@@ -80,6 +80,16 @@ class Column(NamedTuple):
     def role(self) -> str:
         return self.quantity.role
 
+    @property
+    def words(self) -> str:
+        """Its number and title."""
+        return f"{self.place + 1} {self.title!r}"
+
+    def unit_by(self, units: Mapping[str, str]) -> str:
+        """Its unit, or else the user's, by kind; "" where nobody gives one."""
+        kind = self.quantity.kind.removeprefix("angular ")
+        return self.unit or units.get(kind) or "-" * (kind == "ratio")
+
     def of(self, table: TitledTable, unit: str) -> np.ndarray:
         """The numbers of the column in SI."""
         # of a user's Hz
@@ -191,7 +201,7 @@ class Understood(NamedTuple):
         return {*self.named, *self.constants}
 
     def in_words(self) -> list[str]:
-        return [f"{one.place + 1} {one.title!r} as {one.role}" for one in self.all]
+        return [f"{one.words} as {one.role}" for one in self.all]
 
 
 def understand_table(
@@ -212,6 +222,14 @@ def understand_table(
         and column.place not in places
     ]
     return Understood(read, named, constants)
+
+
+def check_columns(columns: Mapping[str, str | int] | None) -> None:
+    if columns is not None and not isinstance(columns, Mapping):
+        raise InputError(
+            "columns must be a dict from quantities to titles, such as {'temperature': "
+            f"'Title 2'}}, got {columns!r}."
+        )
 
 
 def named_columns(
@@ -269,7 +287,7 @@ def _named_column(
         column = _column_without_role(head, quantity)
     elif "relaxation" in (role, column.role) and role != column.role and not unit:
         raise InputError(
-            f"{table.name}: column {head.place + 1} {head.title!r}, named for {role}, is a "
+            f"{table.name}: column {head.words}, named for {role}, is a "
             f"{column.role} modulus by its title: moduli over frequency and relaxation "
             "over time are not the same."
         )
@@ -337,8 +355,8 @@ def choose(columns: Sequence[Column], table: TitledTable) -> dict[str, Column]:
                 "each, as '-20 degC'; of two samples "
             ) * (first.title == column.title)
             raise InputError(
-                f"{table.name}: columns {first.place + 1} {first.title!r} and "
-                f"{column.place + 1} {column.title!r} both hold {column.role} and "
+                f"{table.name}: columns {first.words} and "
+                f"{column.words} both hold {column.role} and "
                 f"differ; {isotherms}name one, as {naming({column.role: 'N'})}, N "
                 f"being {first.place + 1} or {column.place + 1}."
             )
@@ -357,7 +375,7 @@ def _by_the_clock(column: Column, table: TitledTable) -> Column:
     # Elapsed time begins near the step; a time of day may end a day later, near zero.
     if times[0] > _DAYTIME:
         raise InputError(
-            f"{table.name}: column {column.place + 1} {column.title!r} begins at "
+            f"{table.name}: column {column.words} begins at "
             f"{times[0] / 3600:.4g} h and lasts {np.ptp(times):.4g} s: a time of day? "
             "Times must count from the step of strain or stress: write "
             "seconds since then in its place."
@@ -428,16 +446,30 @@ def _check_limits(
 ) -> None:
     """Raises `InputError` for numbers outside the limits of their quantity."""
     for role, column in chosen.items():
-        if not column.quantity.valid and not np.isfinite(values[role]).any():
+        quantity, known = column.quantity, values[role][np.isfinite(values[role])]
+        # a tan delta of a melt may be any: a unit that is written is believed
+        written = column.users or (role == "tangent" and column.unit)
+        if quantity.limits is None or written or not known.size:
             continue
-        others = [
+        low, high = quantity.limits
+        least = known.min() if quantity.kind == "temperature" else known.max()
+        if least >= low and known.max() <= high:
+            continue
+        alike = [
             one
             for one in chosen.values()
-            if one is not column
-            and one.quantity.kind == column.quantity.kind
-            and units[one.role] == units[role]
+            if one.quantity.kind == quantity.kind and units[one.role] == units[role]
         ]
-        _within(name, column, values[role], units[role], [column, *others])
+        ways = [
+            naming({one.role: f"{one.place + 1} [{unit}]" for one in alike})
+            for unit in ("%-" if quantity.kind == "ratio" else ["UNIT"])
+        ]
+        raise InputError(
+            f"{name}: column {column.words}, read in {units[role]}, goes from "
+            f"{known.min():.4g} to {known.max():.4g} {KINDS[quantity.kind][0]}, which "
+            f"is not between {low:g} and {high:g}; give the right unit, as "
+            f"{' or '.join(ways)}, even if it is {units[role]}."
+        )
 
 
 class ColumnsRead(NamedTuple):
@@ -453,7 +485,7 @@ class ColumnsRead(NamedTuple):
         """The columns of numbers that are not read, in words."""
         places = {column.place for column in self.chosen.values()}
         return [
-            f"{head.place + 1} {head.title!r}"
+            head.words
             for head in self.table.heads
             if head.place not in places
             and np.isfinite(self.table.column(head.place)).any()
@@ -472,11 +504,7 @@ def read_columns(
 
     A logarithm without a base is `log`, where that is given.
     """
-    if columns is not None and not isinstance(columns, Mapping):
-        raise InputError(
-            f"columns must be a dict such as {{{required[0]!r}: 'Title 2'}}, got "
-            f"{columns!r}."
-        )
+    check_columns(columns)
     sheet = read_sheet(path)
     table = main_table(sheet)
     if table is None:
@@ -543,9 +571,9 @@ def refuse_contradiction(
         return
     ways = [naming({one.role: str(one.place + 1)}) for one in (loss, tangent)]
     raise InputError(
-        f"{table.name}: column {tangent.place + 1} {tangent.title!r} is {factor:.3g} times "
-        f"the ratio of columns {loss.place + 1} {loss.title!r} and "
-        f"{storage.place + 1} {storage.title!r} (median of the rows): name the one "
+        f"{table.name}: column {tangent.words} is {factor:.3g} times "
+        f"the ratio of columns {loss.words} and "
+        f"{storage.words} (median of the rows): name the one "
         f"that is right, as {ways[0]} or {ways[1]}."
     )
 
@@ -578,19 +606,18 @@ def unit_of(table: TitledTable, column: Column) -> str:
         # such as 1/MPa of a compliance
         other = is_unit(column.unit) and "frequency" not in quantity.kind
         raise InputError(
-            f"{name}: the unit of column {place} {column.title!r} is "
+            f"{name}: the unit of column {column.words} is "
             f"{column.unit!r}, which is none of {quantity.kind} "
             f"({usual(quantity.kind)} ...), as {column.role} needs"
             + ("." if other else f"; if it is meant as one, give it as {ways}.")
         )
-    kind = "frequency" if quantity.kind == "angular frequency" else quantity.kind
-    unit = column.unit or table.units.get(kind) or ("-" if kind == "ratio" else "")
+    unit = column.unit_by(table.units)
     if not unit:
         option = quantity.option
         option = f"{advise(option, {option: ''})} or " if option else ""
         raise InputError(
-            f"{name}: column {place} {column.title!r} has no unit; give "
-            f"it, as {option}{ways}, one of {usual(kind)} ..."
+            f"{name}: column {column.words} has no unit; give "
+            f"it, as {option}{ways}, one of {usual(quantity.kind)} ..."
         )
     return unit
 
@@ -602,19 +629,13 @@ def taken(
     over.
     """
     titles = ", ".join(
-        f"{role} from {column.place + 1} {column.title!r}"
-        + (
-            f" in {unit}"
-            if (unit := units.get(role, "")) and unit not in column.title
-            else ""
-        )
+        f"{role} from {column.words}"
+        + f" in {units[role]}" * (units[role] not in column.title)
         for role, column in chosen.items()
     )
     places = {column.place for column in chosen.values()}
     rest = [
-        f"{head.place + 1} {head.title!r}"
-        for head in table.heads
-        if head.title and head.place not in places
+        head.words for head in table.heads if head.title and head.place not in places
     ]
     more = f" and {len(rest) - _NAMED} more" if len(rest) > _NAMED else ""
     return titles + f"; passed over: {', '.join(rest[:_NAMED])}{more}" * bool(rest)
@@ -633,42 +654,6 @@ def left_out(name: str, bad: Sequence[str], where: str) -> tuple[str, ...]:
             f"{'; '.join(bad[:_NAMED])}{more}."
         ),
     )
-
-
-def _within(
-    name: str, column: Column, values: np.ndarray, unit: str, alike: Sequence[Column]
-) -> None:
-    """Raises `InputError` for numbers outside the limits of their quantity; `alike` are
-    the columns in this unit.
-    """
-    if column.quantity.limits is None or column.users:
-        return
-    # that of a melt may be any: a unit that is written is believed
-    if column.role == "tangent" and column.unit:
-        return
-    low, high = column.quantity.limits
-    values = values[np.isfinite(values)]
-    least = (
-        float(values.min())
-        if column.quantity.kind == "temperature"
-        else float(values.max())
-    )
-    if values.max() > high and column.quantity.kind == "ratio":
-        ways = [naming({column.role: f"{column.place + 1} [{unit}]"}) for unit in "%-"]
-        raise InputError(
-            f"{name}: column {column.place + 1} {column.title!r} has no unit and goes "
-            f"from {values.min():.4g} to {values.max():.4g}: give it, as {ways[0]} if "
-            f"it is in per cent, as {ways[1]} if it is not."
-        )
-    if least < low or values.max() > high:
-        si = KINDS[column.quantity.kind][0]
-        ways = naming({one.role: f"{one.place + 1} [UNIT]" for one in alike})
-        raise InputError(
-            f"{name}: column {column.place + 1} {column.title!r}, read in {unit}, "
-            f"goes from {values.min():.4g} to {values.max():.4g} {si}, which is not "
-            f"between {low:g} and {high:g}; give the right unit, as {ways}, even if it "
-            f"is {unit}."
-        )
 
 
 def _place(wanted: str, heads: Sequence[Head]) -> tuple[int | None, str, str]:
@@ -695,12 +680,7 @@ def _place(wanted: str, heads: Sequence[Head]) -> tuple[int | None, str, str]:
 
 def _si(column: Column, table: TitledTable) -> np.ndarray | None:
     """The numbers of a column in SI, None where its unit is not known."""
-    kind = (
-        "frequency"
-        if column.quantity.kind == "angular frequency"
-        else column.quantity.kind
-    )
-    unit = column.unit or table.units.get(kind) or ("-" if kind == "ratio" else "")
+    unit = column.unit_by(table.units)
     return (
         column.of(table, unit)
         if unit and column.known and column.log != "log"

@@ -352,8 +352,9 @@ def _positive(name: str, values: ArrayLike) -> np.ndarray:
         raise InputError(
             f"{name} must be a list of numbers, got an array of shape {array.shape}."
         )
-    if not (np.isfinite(array) & (array > 0)).all():
-        i = int(np.argmin(np.isfinite(array) & (array > 0)))
+    good = np.isfinite(array) & (array > 0)
+    if not good.all():
+        i = int(np.argmin(good))
         raise InputError(
             f"{name} must be positive and finite, got {array[i]:g} (entry {i})."
         )

@@ -15,26 +15,26 @@ from ..errors import InputError, advise, warn
 from .columns import (
     Column,
     Understood,
+    check_columns,
     checked_units,
     choose,
     left_out,
     measured,
     missing,
-    naming,
     refuse_contradiction,
     refuse_wide,
     taken,
     understand_table,
-    unit_of,
 )
 from .data import KINDS, Dma, FitWarning, join
+from .held import BACK, NoStep, while_held
 from .isotherms import (
     isotherms,
     with_given_temperatures,
     with_temperatures_of_names,
     without_holds,
 )
-from .quantities import QUANTITIES, lacking, needed_roles, proportional
+from .quantities import QUANTITIES, lacking, needed_roles
 from .sheets import is_frame, read_sheet, sheet_of_frame
 from .tables import Format, TitledTable, format_of
 
@@ -43,12 +43,6 @@ if TYPE_CHECKING:
 
     Source = str | os.PathLike[str] | Frame
 
-# ratio of the largest to the smallest stress (or strain) that counts as held
-_CONSTANT = 1.05
-_STEP = 0.25  # change from row to row that ends a step, less being a drift
-_FEWEST_HELD = 5  # rows
-_BACK = 0.25  # share by which a compliance falls, or a modulus rises, after its step
-_RINGING = 0.1  # share of rows up to which this is the ringing of an instrument
 _APART = 0.5  # [K], within which two temperatures are one
 _ALONE = (
     f"if it was not measured, give {advise('storage_only=True', {'storage_only': ''})}"
@@ -130,11 +124,7 @@ def read_dma(
     """
     if kind is not None:
         one_of("kind", kind, *KINDS)
-    if columns is not None and not isinstance(columns, Mapping):
-        raise InputError(
-            f"columns must be a dict such as {{'storage': 'Modulus 1'}}, got "
-            f"{columns!r}."
-        )
+    check_columns(columns)
     units = checked_units(
         {
             "frequency": frequency_unit,
@@ -203,16 +193,11 @@ def _specimen(
     area: float | None, length: float | None, ramp: float | None, storage_only: bool
 ) -> Specimen:
     given = {"area": area, "length": length, "ramp": ramp}
-    numbers = {
-        name: None if value is None else float(plain(name, value))
-        for name, value in given.items()
-    }
-    for name, number in numbers.items():
-        if number is not None:
-            positive(name, number)
-    return Specimen(
-        numbers["area"], numbers["length"], numbers["ramp"], bool(storage_only)
-    )
+    for name, value in given.items():
+        if value is not None:
+            given[name] = plain(name, value)
+            positive(name, given[name])
+    return Specimen(**given, storage_only=bool(storage_only))
 
 
 def _read(source: Any, options: _Options, unmet: dict[str, str | int]) -> list[Dma]:
@@ -232,7 +217,7 @@ def _read(source: Any, options: _Options, unmet: dict[str, str | int]) -> list[D
     ]
     measurements: list[Dma] = []
     used: list[TitledTable] = []
-    refused: list[_NoStep] = []
+    refused: list[NoStep] = []
     before = -np.inf  # when the step before ended
     not_understood: tuple[list[str], str] | None = None
     for table in parts:
@@ -248,7 +233,7 @@ def _read(source: Any, options: _Options, unmet: dict[str, str | int]) -> list[D
         try:
             measurement = _measurement(layout, table, columns, options)
             _refuse_second_step(measurement, table, measurements, used, before)
-        except _NoStep as error:
+        except NoStep as error:
             refused.append(error)
             before = max(before, error.ended)
             continue
@@ -275,17 +260,6 @@ def _read(source: Any, options: _Options, unmet: dict[str, str | int]) -> list[D
     return measurements
 
 
-class _NoStep(InputError):
-    """Rows over time that are no response to one step of stress or strain."""
-
-    def __init__(
-        self, table: TitledTable, why: str, advice: str, ended: float = -np.inf
-    ):
-        super().__init__(f"{table.name}: {why}{advice and ': '}{advice}.")
-        self.why = why
-        self.ended = ended  # their last time [s]
-
-
 def _ended(measurement: Dma) -> float:
     """The last time after a step; none of what has none."""
     timed = not measurement.omega.size and measurement.response != "storage"
@@ -299,7 +273,7 @@ def _refuse_second_step(
     used: Sequence[TitledTable],
     before: float,
 ) -> None:
-    """Raises `_NoStep` for a step of stress or strain that remembers one before it in
+    """Raises `NoStep` for a step of stress or strain that remembers one before it in
     the file, which ended at `before` [s].
     """
     if _ended(measurement) == -np.inf:
@@ -320,11 +294,11 @@ def _refuse_second_step(
         # the same step with other intervals goes on where it was
         if (
             not above
-            or measurement.relaxation[0] * (1 - _BACK) > above[-1].relaxation[-1]
+            or measurement.relaxation[0] * (1 - BACK) > above[-1].relaxation[-1]
         ):
-            raise _NoStep(table, on, advice, _ended(measurement))
+            raise NoStep(table, on, advice, _ended(measurement))
     elif measurement.response == "creep" and not all(apart):
-        raise _NoStep(
+        raise NoStep(
             table,
             f"the rows from line {line} on are a second creep at one temperature, "
             "which remembers the first",
@@ -411,7 +385,9 @@ def _measurement(
     response, rest = "relaxation", ()
     if needed[0] == "time":
         beside = {one.role: one for one in reversed(columns.all)} | chosen
-        table, response, rest = _while_held(table, beside, needed[1], options)
+        table, response, rest = while_held(
+            table, beside, needed[1], kind, options.specimen.ramp or 0.0
+        )
     values, good, bad = measured(table, chosen)
     if not good.any():
         why = (
@@ -419,13 +395,14 @@ def _measurement(
             f"({bad[0]})"
         )
         if needed[0] == "time":
-            raise _NoStep(table, why, "")
+            raise NoStep(table, why, "")
         raise InputError(f"{name}: {why}.")
     for role in needed:
         if role not in values:
             values[role] = np.full(int(good.sum()), table.fixed.get(role, np.nan))
     written = {
-        role: _unit_in_words(column, table.units) for role, column in chosen.items()
+        role: f"{column.log} of " * bool(column.log) + column.unit_by(table.units)
+        for role, column in chosen.items()
     }
     columns_taken = taken(table, chosen, written)
     if "temperature" in table.fixed:
@@ -551,186 +528,6 @@ def _over_time(
     )
 
 
-def _while_held(
-    table: TitledTable,
-    columns: Mapping[str, Column],
-    measured_as: str,
-    options: _Options,
-) -> tuple[TitledTable, str, tuple[str, ...]]:
-    """The rows of a table over time while the stress (creep) or the strain (relaxation)
-    is held, which of both it is, and what is left out, in words.
-
-    What is held is looked for whatever the titles of the other columns say: compliance
-    and modulus are columns of flow curves and ramps too. Raises `InputError`.
-    """
-    count = len(table.rows)
-    time = np.arange(float(count))
-    if "time" in columns:
-        time = columns["time"].of(table, unit_of(table, columns["time"]))
-    numbers = _held_numbers(table, columns, measured_as, time)
-    kept = [np.flatnonzero(~np.isfinite(time))]  # named later as no measurement
-    found: set[str] = set()
-    for curve in _curves(time):
-        late = curve[time[curve] > (options.specimen.ramp or 0.0)]
-        held = {
-            response: rows
-            for response, values in numbers.items()
-            if (rows := late[_run(values[late])]).size
-        }
-        if not numbers:
-            values = table.column(columns[measured_as].place)[late]
-            held = {measured_as: late[: _turn(values, measured_as)]}
-        if len(held) == 1:
-            ((response, rows),) = held.items()
-            found.add(response)
-            kept += [np.setdiff1d(curve, late), rows]
-        elif not found:
-            ended = float(np.nanmax(time, initial=0.0))
-            raise _NoStep(table, *_not_held([*numbers], bool(held), table), ended)
-        else:  # what follows remembers this
-            break
-    if len(found) > 1:
-        raise _NoStep(table, *_not_held([*numbers], False, table))
-    (response,) = found
-    places = np.sort(np.concatenate(kept))
-    if places.size == count:
-        return table, response, ()
-    line = table.rows[int(np.setdiff1d(np.arange(count), places)[0])].line
-    why = (
-        f"{'stress' if response == 'creep' else 'strain'} is not held there"
-        if numbers
-        else f"{measured_as} turns back there, as after another step"
-    )
-    remark = (
-        f"{table.name}: {count - places.size} rows (line {line} on) left out: {why}."
-    )
-    rows = [table.rows[i] for i in places]
-    return table._replace(rows=rows), response, (remark,)
-
-
-def _held_numbers(
-    table: TitledTable,
-    columns: Mapping[str, Column],
-    measured_as: str,
-    time: np.ndarray,
-) -> dict[str, np.ndarray]:
-    """What must be held for the rows to be a response, by response: the stress in creep,
-    the strain in relaxation; empty where no column says it.
-
-    Compliance is strain over stress, modulus stress over strain: the third follows.
-    """
-    loads = _loads(table, columns, time)
-    held = {"creep": "stress", "relaxation": "strain"}
-    if measured_as not in held:
-        return {way: loads[role] for way, role in held.items() if role in loads}
-    if held[measured_as] in loads:
-        return {measured_as: loads[held[measured_as]]}
-    if not loads or columns[measured_as].log:
-        return {}
-    ratio = table.column(columns[measured_as].place)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return {measured_as: next(iter(loads.values())) / ratio}
-
-
-def _loads(
-    table: TitledTable, columns: Mapping[str, Column], time: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Numbers in proportion to stress and strain: of their columns, of what the user
-    gives for all rows, of a force or torque and a displacement or angle, and of a
-    constant rate of strain.
-    """
-    loads: dict[str, np.ndarray] = {}
-    for role in ("stress", "strain"):
-        column = columns.get(role)
-        if role in table.fixed:
-            loads[role] = np.ones(time.size)
-        elif column is not None and column.known and not column.log:
-            loads[role] = table.column(column.place)
-        elif (place := proportional(table, role)) is not None:
-            loads[role] = np.abs(table.column(place))
-    place = proportional(table, "rate")
-    if place is not None and "strain" not in loads:
-        rate = np.abs(table.column(place))
-        if _run(rate).stop == rate.size:
-            loads["strain"] = rate * time
-    return loads
-
-
-def _curves(time: np.ndarray) -> list[np.ndarray]:
-    """The rows of each curve, by ascending time: where it turns the next one begins."""
-    rows = np.flatnonzero(np.isfinite(time))
-    along = np.sign(np.diff(time[rows]))
-    if (along < 0).sum() > (along > 0).sum():  # the last time first
-        return [curve[::-1] for curve in np.split(rows, np.flatnonzero(along > 0) + 1)]
-    return np.split(rows, np.flatnonzero(along < 0) + 1)
-
-
-def _not_held(runs: Sequence[str], held: bool, table: TitledTable) -> tuple[str, str]:
-    """Why rows over time are no response to one step, and what to do, in words."""
-    if len(runs) > 1:
-        said = "are both constant" if held else "both vary"
-        what = f"stress and strain {said}"
-        advice = (
-            f"give the one that was held, as {naming({'stress': '0.1 MPa'})} or "
-            f"{naming({'strain': '1 %'})}"
-        )
-    elif "creep" in runs:
-        what, advice = (
-            "the stress is not held",
-            "leave out the rows while it changes, or give what was held, as "
-            f"{naming({'stress': '1 kPa'})}",
-        )
-    else:
-        what = "the strain is not held"
-        advice = (
-            "leave out the rows while it changes, or give the duration of its ramp, as "
-            f"{advise('ramp=2.0', {'ramp': '2 s'})}, or what was held, as "
-            f"{naming({'strain': '1 %'})}"
-        )
-    line = table.rows[0].line
-    return (
-        f"{what} over time from line {line} on, which is neither creep nor relaxation",
-        advice,
-    )
-
-
-def _run(numbers: np.ndarray) -> slice:
-    """The numbers, from about the first on, over which numbers hold; none where they do
-    not, or drift.
-
-    The first of them may still be on their way; the last is before a step.
-    """
-    few = min(_FEWEST_HELD, numbers.size)
-    for start in range(min(few, numbers.size // 4) + 1):
-        level = numbers[start] if numbers.size else 0.0
-        if not level > 0:
-            continue
-        off = np.abs(numbers[start:] / level - 1)
-        away = np.flatnonzero(off > _CONSTANT - 1)
-        if not away.size:
-            return slice(start, numbers.size)
-        if away[0] >= few and off[away[0]] > _STEP:
-            return slice(start, start + int(away[0]))
-    return slice(0, 0)
-
-
-def _turn(numbers: np.ndarray, response: str) -> int:
-    """How many rows there are before a compliance falls, or a modulus rises, by more
-    than noise and ringing do.
-    """
-    known = np.where(np.isfinite(numbers), numbers, 0.0)
-    if response == "creep":
-        back = known < (1 - _BACK) * np.maximum.accumulate(known)
-    else:
-        known = np.where(known > 0, known, np.inf)
-        largest = known[np.isfinite(known)].max(initial=0.0)
-        back = known > np.minimum.accumulate(known) + _BACK * largest
-        back &= np.isfinite(known)
-    if back.sum() <= _RINGING * numbers.size:
-        return numbers.size
-    return int(np.argmax(back))
-
-
 def _scale(name: str, specimen: Specimen) -> float:
     """What turns a stiffness into a modulus: length over section."""
     if specimen.area is None or specimen.length is None:
@@ -773,16 +570,6 @@ def _moduli(
     return (
         (first * omega, second * omega) if pair[0] == "viscosity" else (first, second)
     )
-
-
-def _unit_in_words(column: Column, units: Mapping[str, str]) -> str:
-    kind = (
-        "frequency"
-        if column.quantity.kind == "angular frequency"
-        else column.quantity.kind
-    )
-    unit = column.unit or units.get(kind, "")
-    return f"{column.log} of {unit}" if column.log else unit
 
 
 def _kind(

@@ -328,21 +328,18 @@ def without_holds(parts: list[Dma]) -> list[Dma]:
     Nobody says what was changed in them: strain, time or preload. Where the strain is
     known, the fit sorts them out.
     """
-    held = [_is_hold(isotherm) for isotherm in parts]
-    swept = [
+    holds = [isotherm for isotherm in parts if _is_hold(isotherm)]
+    swept = any(
         isotherm.omega.size > 1 and isotherm.omega.max() > _SWEPT * isotherm.omega.min()
         for isotherm in parts
-    ]
-    if not any(held) or not any(swept):
-        return parts
-    kept = [isotherm for isotherm, hold in zip(parts, held, strict=True) if not hold]
-    count = sum(
-        isotherm.size for isotherm, hold in zip(parts, held, strict=True) if hold
     )
+    if not holds or not swept:
+        return parts
+    kept = [isotherm for isotherm in parts if isotherm not in holds]
     warning = (
-        f"{parts[held.index(True)].source}: {count} points in steps at one frequency "
-        "and temperature are left out: a "
-        "sweep of something that no column holds, such as strain or time."
+        f"{holds[0].source}: {sum(isotherm.size for isotherm in holds)} points in steps "
+        "at one frequency and temperature are left out: a sweep of something that no "
+        "column holds, such as strain or time."
     )
     return [replace(kept[0], warnings=(*kept[0].warnings, warning)), *kept[1:]]
 

@@ -4,7 +4,6 @@ factors as instruments' programs write them beside a master curve (`em.read_shif
 
 import os
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -129,7 +128,7 @@ def read_friction(
             )
         values["error"] = values["error"] * values["mu"]
     if temperature is not None:
-        given_temperature = float(plain("temperature", temperature))
+        given_temperature = plain("temperature", temperature)
         in_kelvin("temperature", given_temperature)
         if "temperature" in values:
             raise InputError(
@@ -140,11 +139,14 @@ def read_friction(
     report = left_out(name, bad, "report")
     for line in report:
         warn(line, FitWarning)
-    optional: dict[str, Any] = {
-        role: values.get(role) for role in ("temperature", "pressure", "error")
-    }
     return MeasuredFriction(
-        values["velocity"], values["mu"], source=name, report=report, **optional
+        values["velocity"],
+        values["mu"],
+        values.get("temperature"),
+        values.get("pressure"),
+        values.get("error"),
+        name,
+        report,
     )
 
 
@@ -177,7 +179,7 @@ def read_shifts(
     if vertical is not None:
         column, known = read.chosen["vertical"], np.log10(vertical.factor)
         warn(
-            f"{read.table.name}: column {column.place + 1} {column.title!r} is passed over: "
+            f"{read.table.name}: column {column.words} is passed over: "
             f"log10 b_T from {known.min():.4f} to {known.max():.4f} is no part of a "
             f"shift law. Give it to {remedy}.",
             FitWarning,

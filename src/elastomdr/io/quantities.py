@@ -2,11 +2,8 @@
 of them together are a measurement.
 """
 
-import re
-
 from .columns import ColumnKind
 from .data import COLDEST
-from .tables import TitledTable, clean, splits
 
 _POLYMERS = (1e3, 3e10)  # [Pa], between which the largest modulus of a file lies
 QUANTITIES = (
@@ -172,15 +169,6 @@ QUANTITIES = (
         ),
     ),
 )
-# titles of what is in proportion to stress and strain, and of the rate of strain
-_PROPORTIONAL = {
-    "stress": r"torque|(dreh)?moment|((static|tensile|shear) )?(force|load)|(zug)?kraft",
-    "strain": (
-        r"(deflection|rotation|twist|angular displacement)( angle)?|angle|drehwinkel|"
-        r"auslenkung(swinkel)?|displacement|elongation|extension|verschiebung|weg"
-    ),
-    "rate": r"(shear|strain|deformation)[ _-]?rate|\u03b3\u0307|(scher|dehn)rate",
-}
 _PAIRS = (
     ("storage", "loss"),
     ("storage", "tangent"),
@@ -201,18 +189,6 @@ _PAIRS = (
     ("stiffness", "tangent"),
 )
 _TIMED = (("relaxation",), ("creep",), ("stress", "strain"))
-
-
-def proportional(table: TitledTable, role: str) -> int | None:
-    """The place of the first column in proportion to a role, of which no modulus can be
-    made for want of dimensions.
-    """
-    for head in table.heads:
-        title = clean(head.title)
-        for name in (title, *(name for name, _ in splits(title))):
-            if re.fullmatch(_PROPORTIONAL[role], name.strip(), re.IGNORECASE):
-                return head.place
-    return None
 
 
 def lacking(roles: set[str]) -> str:

@@ -53,9 +53,16 @@ def read_sheet(path: str | os.PathLike[str]) -> Sheet:
     Raises `InputError` for what cannot be read.
     """
     path = as_path(path)
-    name = path.name or str(path)
+    name, raw = path.name or str(path), bytes_of(path)
+    if raw[:4] in (b"\xd0\xcf\x11\xe0", b"PK\x03\x04"):
+        return Sheet(name, with_points(_spreadsheet(path, name), ""), [])
+    return cut(name, decode(raw, name))
+
+
+def bytes_of(path: Path) -> bytes:
+    """What a file holds. Raises `InputError`."""
     try:
-        raw = read_bytes(path)
+        return read_bytes(path)
     except (OSError, ValueError) as error:
         reason = (
             "is a folder: give the files in it"
@@ -63,11 +70,9 @@ def read_sheet(path: str | os.PathLike[str]) -> Sheet:
             else getattr(error, "strerror", None) or error
         )
         raise InputError(
-            f"path must be a file that can be read, got {name!r}: {reason}."
+            f"path must be a file that can be read, got {path.name or str(path)!r}: "
+            f"{reason}."
         ) from error
-    if raw[:4] in (b"\xd0\xcf\x11\xe0", b"PK\x03\x04"):
-        return Sheet(name, with_points(_spreadsheet(path, name), ""), [])
-    return cut(name, decode(raw, name))
 
 
 def is_frame(value: object) -> bool:
@@ -207,14 +212,9 @@ def number(cell: str) -> float:
         return float(cell) if "_" not in cell else np.nan
     except ValueError:
         pass
-    try:
-        return (
-            float(re.sub("[dD]", "e", cell))
-            if re.fullmatch(r"[+-]?[\d.]+[dD][+-]?\d+", cell.strip())
-            else np.nan
-        )
-    except ValueError:
-        return np.nan
+    # 1.5D-3, of Fortran
+    exponent = re.fullmatch(r"\s*([+-]?(?:\d+\.?\d*|\.\d+))[dD]([+-]?\d+)\s*", cell)
+    return float("e".join(exponent.groups())) if exponent else np.nan
 
 
 def seconds(cell: str) -> float:
@@ -321,11 +321,9 @@ def _cells(line: str, separator: str) -> list[str]:
     return [cell.strip() for cell in cells]
 
 
-def run_reader(program: str, path: Path, patience: float, accepted: str) -> bytes:
-    """What a program of this folder prints of a file: what a damaged one makes of it
-    costs a child and not the session. Raises `InputError`.
-    """
-    command = [sys.executable, Path(__file__).with_name(program), path]
+def run_reader(reader: str, path: Path, patience: float, accepted: str) -> bytes:
+    """What a reader of `readers.py` prints of a file. Raises `InputError`."""
+    command = [sys.executable, Path(__file__).with_name("readers.py"), reader, path]
     try:
         read = subprocess.run(
             command, capture_output=True, timeout=patience, check=False
@@ -350,7 +348,7 @@ def _spreadsheet(path: Path, name: str) -> list[Row]:
             f"{name}: reading spreadsheets needs python-calamine: pip install "
             "elastomdr[excel]"
         )
-    printed = run_reader("spreadsheet.py", path, _PATIENCE, "a spreadsheet")
+    printed = run_reader("spreadsheet", path, _PATIENCE, "a spreadsheet")
     rows: list[Row] = []
     # line numbers are those of the sheet
     for title, sheet in json.loads(printed).items():

@@ -87,10 +87,11 @@ def read_spectrum(
     check_convention(convention)
     if wave_number is not None:
         one_of("wave_number", wave_number, ANGULAR, CYCLES)
-    low, high = (
-        None if wave is None else 2 * np.pi / _wave(key, wave)
-        for key, wave in (("longest", longest), ("shortest", shortest))
-    )
+    waves = {"longest": longest, "shortest": shortest}
+    for key, wave in waves.items():
+        if wave is not None:
+            positive(key, plain(key, wave))
+    low, high = (wave and 2 * np.pi / float(wave) for wave in waves.values())
     sheet = read_sheet(path)
     name, table = sheet.name, main_table(sheet)
     if table is None:
@@ -247,8 +248,8 @@ def _given(
     if in_title or user:
         return in_title or str(user)
     raise InputError(
-        f"path: {name!r} has no unit that is known in column {head.place + 1} "
-        f'{head.title!r}; write titles such as "q [rad/m], C [m^4]", or give {key}, '
+        f"path: {name!r} has no unit that is known in column "
+        f'{head.words}; write titles such as "q [rad/m], C [m^4]", or give {key}, '
         f"such as {example!r}."
     )
 
@@ -270,8 +271,8 @@ def _columns(
     for head in heads:
         if any(is_level(unit) for _, unit in [("", head.below), *splits(head.title)]):
             raise InputError(
-                f"path: {name!r} has levels in dB in column {head.place + 1}, "
-                f"{head.title!r}: turn them into numbers first. Levels L re 1e-6 m of "
+                f"path: {name!r} has levels in dB in column "
+                f"{head.words}: turn them into numbers first. Levels L re 1e-6 m of "
                 "bands (ISO 13473-4) are C = 1e-12 m^2 10^(L/10)/width with "
                 'convention="1d one-sided", the width of a band being 0.2316 q for '
                 "third octaves and 0.7071 q for octaves, q = 2 pi/lambda [rad/m]."
@@ -280,8 +281,8 @@ def _columns(
             "spac|scale|grid|bin", head.title
         ):
             raise InputError(
-                f"path: {name!r} has logarithms in column {head.place + 1}, "
-                f"{head.title!r}: turn them into numbers "
+                f"path: {name!r} has logarithms in column "
+                f"{head.words}: turn them into numbers "
                 "first, or name other columns, as columns = [N, M]."
             )
     return first, second
@@ -321,9 +322,3 @@ def _rows(
             f"path: {name!r} must hold numbers below {_LARGEST:g} in SI units."
         )
     return used
-
-
-def _wave(key: str, wave: float) -> float:
-    value = float(plain(key, wave))
-    positive(key, value)
-    return value

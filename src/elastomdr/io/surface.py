@@ -19,11 +19,10 @@ import numpy as np
 
 from ..checks import as_float64, in_si, plain, positive, untraced
 from ..errors import InputError, warn
-from ..files import read_bytes
 from ..surface.topography import MeasuredSurface, Scan, surface
 from ..units.registry import to_si, usual
 from .data import FitWarning
-from .sheets import read_sheet, run_reader
+from .sheets import bytes_of, read_sheet, run_reader
 from .tables import Head, main_table, named_heads, refuse_ragged, titled_unit
 
 if TYPE_CHECKING:
@@ -315,13 +314,8 @@ def _from_instrument(path: Path, pixel_size: Any, layout: _Layout) -> Scan:
             "read with SurfaceTopography, which is not installed: pip install "
             "elastomdr[instruments]."
         )
-    try:
-        read_bytes(path)
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"path must be a file that can be read, got {path.name!r}: {error}."
-        ) from error
-    printed = run_reader("instrument.py", path, _PATIENCE, "a file of an instrument")
+    bytes_of(path)
+    printed = run_reader("instrument", path, _PATIENCE, "a file of an instrument")
     with np.load(io.BytesIO(printed)) as read:
         x, y, height, unit, sized = _Instrument(**read)
     given = str(unit) or layout.unit(0, 1)
@@ -345,7 +339,7 @@ def _from_instrument(path: Path, pixel_size: Any, layout: _Layout) -> Scan:
 
 
 class _Instrument(NamedTuple):
-    """What `instrument.py` prints."""
+    """What the reader of instruments prints."""
 
     x: np.ndarray
     y: np.ndarray  # empty of a profile
@@ -413,8 +407,6 @@ def _profile(x: np.ndarray, height: np.ndarray) -> Scan:
             "straight lines"
         )
     x, height = x[known], height[known]
-    if (np.diff(x) < 0).any():
-        report.append("x was not ascending: sorted")
     x, place = np.unique(x, return_inverse=True)
     if x.size < _LEAST_TRACE:
         raise InputError(
@@ -453,11 +445,6 @@ def _grid(data: np.ndarray) -> Scan:
     for axis, values in (("x", x), ("y", y)):
         if np.ptp(np.diff(values)) > 1e-3 * np.diff(values).mean():
             raise InputError(f"{axis} of a map must be evenly spaced.")
-    rows = [
-        k for a in (i, -i) for b in (j, -j) for k in (a * y.size + b, b * x.size + a)
-    ]
-    if not any((np.diff(k) >= 0).all() for k in rows):
-        report.append("points did not come row by row: sorted")
     place, known = i * y.size + j, np.isfinite(data[:, 2])
     height = _means(place[known], data[known, 2], x.size * y.size, "a place", report)
     steps = tuple(float((axis[-1] - axis[0]) / (axis.size - 1)) for axis in (x, y))
@@ -470,8 +457,8 @@ def _metres(head: Head, unit: str | None, name: str) -> float:
     given = titled_unit(head, "length")[1] or unit
     if given is None:
         raise InputError(
-            f"path: {name!r} has no unit of length in column {head.place + 1} "
-            f'{head.title!r}; write titles such as "x [mm], height [um]", or give '
+            f"path: {name!r} has no unit of length in column "
+            f'{head.words}; write titles such as "x [mm], height [um]", or give '
             'unit, such as "um".'
         )
     return _length(given, name)

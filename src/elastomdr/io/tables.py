@@ -45,6 +45,11 @@ class Head(NamedTuple):
     title: str
     below: str
 
+    @property
+    def words(self) -> str:
+        """Its number and title."""
+        return f"{self.place + 1} {self.title!r}"
+
 
 class TitledTable(NamedTuple):
     """Rows of numbers below titles; titles are empty where there are none."""

@@ -25,6 +25,8 @@ KINDS = {
     "velocity": ("m/s", "m/s mm/s um/s km/h m/min"),
     "length": ("m", "m mm um nm"),
     "wave number": ("rad/m", "rad/m cycles/m 1/m"),
+    "force": ("N", "kN mN"),
+    "torque": ("N*m", "N*m mN*m"),
     "m^4": ("m^4", "m^4 mm^4 um^4"),
     "m^3": ("m^3", "m^3 mm^3 um^3"),
 }
@@ -84,7 +86,6 @@ _ALIASES.update(
     for prefix in ("nano", "micro", "milli")
     for ending in ("er", "ers", "re", "res")
 )
-_OTHERS = ("N", "N*m")  # units of columns that are passed over
 
 
 @functools.cache
@@ -135,11 +136,7 @@ def quantity_of(values: Any, spelling: str) -> Any:
 
 def is_unit(cell: str) -> bool:
     """Whether a cell holds a unit and nothing else; an empty one does not."""
-    return (
-        is_level(cell)
-        or any(_parsed(cell, kind) is not None for kind in KINDS)
-        or any(_alike(cell, unit) for unit in _OTHERS)
-    )
+    return is_level(cell) or any(_parsed(cell, kind) is not None for kind in KINDS)
 
 
 def is_level(unit: str) -> bool:
@@ -195,9 +192,11 @@ def _plain(spelling: str) -> str:
 def _pint(spelling: str) -> Any:
     if not harmless(spelling):
         return None
-    # N.m, Pa-s
+    # N.m, Pa-s, mNm
     word = re.sub(
-        r"(?<=[A-Za-zµ])[.-](?=[A-Za-z])", "*", _plain(spelling).replace("^", "**")
+        r"(?<=[A-Za-zµ])[.-](?=[A-Za-z])|(?<=N)(?=mm?\b)",
+        "*",
+        _plain(spelling).replace("^", "**"),
     )
     word = re.sub(r"(?<=[A-Za-z])(-?\d)", r"**\1", word)  # mm2, s-1
     bare = re.sub(r"\s+", "", word)
