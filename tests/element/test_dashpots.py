@@ -64,6 +64,7 @@ def test_friction_and_rolling_of_a_ball():
     np.testing.assert_allclose(
         lost.resistance.sum(), load * ball_mu(load, 0.3), rtol=1e-6
     )
+    assert lost.time.tolist() == [0.0]
 
 
 def test_friction_of_a_cone():

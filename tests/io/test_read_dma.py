@@ -272,6 +272,16 @@ def test_isotherms_side_by_side_may_differ_in_length_and_unit(write):
 
 
 @pytest.mark.parametrize(
+    ("line", "hertz"),
+    [("Frequency: 2.5 kHz", 2500.0), ("f = 10 rad/s", 10 / (2 * np.pi))],
+)
+def test_a_frequency_above_a_table(line, hertz, write):
+    ramp = [(0, 2e6, 1e5), (20, 1e6, 1e5), (40, 8e5, 4e4)]
+    dma = read(write(f"{line}\n" + table("T [degC],G' [Pa],G'' [Pa]", ramp)))
+    np.testing.assert_allclose(dma.omega, 2 * np.pi * hertz)
+
+
+@pytest.mark.parametrize(
     "line",
     [
         "Glass transition: -60 °C",

@@ -12,8 +12,9 @@ from scipy.optimize import brentq
 import elastomdr as em
 from elastomdr.element.contact_step import contact_step, rest
 from elastomdr.material.relaxation import to_kelvin
-from elastomdr.surface.disc import Disc
+from elastomdr.surface.disc import Disc, disc_under
 from elastomdr.surface.shapes import Paraboloid, PowerLaw, Sphere
+from elastomdr.transient.adhesive_contact import Sticky
 
 from ..refused import refused
 from ..whole.problems.indentation import BALL, PROBLEMS, PULSES, SOLID, TIMES, TWICE
@@ -430,3 +431,24 @@ def test_refuses_what_has_no_answer():
         result.pressure(0.0, 3.0)
     assert "contact radius [m]" in result.columns()
     assert "dissipated" in result.summary()
+
+
+@pytest.mark.parametrize(
+    ("shape", "per_area"),
+    [(em.Sphere(5e-3), False), (em.Cone(0.1), False), (em.Sphere(5e-3), True)],
+)
+def test_the_energy_of_a_sticky_contact(shape, per_area):
+    """Its rate along the depth is the force, and along the radius nothing at the edge,
+    where elastic energy pays for the area (Griffith).
+    """
+    radius = np.array([2e-4, 5e-4])
+    with jax.enable_x64(True):
+        sticky = Sticky(
+            disc_under(shape, per_area), jnp.asarray(4e6), jnp.asarray(0.05)
+        )
+        for a in map(jnp.asarray, radius):
+            edge = sticky.depth(a)
+            along_a, along_d = jax.grad(sticky.potential, (0, 1))(a, edge)
+            np.testing.assert_allclose(along_d, sticky.force(a, edge), rtol=1e-9)
+            work = 2 * np.pi * a * sticky.gamma
+            np.testing.assert_allclose(along_a, 0.0, atol=1e-9 * work)
