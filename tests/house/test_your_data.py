@@ -76,7 +76,7 @@ def test_page_runs(place, capsys):
         "all converged",
     ):
         assert words in said.out
-    assert 'material = "fitted/dma.toml"' in said.out
+    assert "--material fitted/dma.toml" in said.out
     assert "outside the measured frequencies of the material" in said.err
     for file in re.findall(r"`((?:fitted|out)/[\w.-]+)`", PAGE):
         assert (place / file).exists(), file
