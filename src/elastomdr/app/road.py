@@ -206,10 +206,10 @@ class RoadStage:
         with self._offers:
             ui.label("Which waves does the rubber feel?").classes("lead")
             ui.label(
-                "Longer than 5 mm they carry it as a whole. The shortest one is where "
-                "dirt, wear or water end the contact, usually some micrometres: each "
-                "decade of shorter waves adds slope and friction, takes some hundredths "
-                "of a second, and needs the rubber at ten times higher frequencies."
+                "Waves longer than some 5 mm hardly add to friction. The shortest wave "
+                "is set by dirt, wear or water, usually at some micrometres. Each decade "
+                "of shorter waves adds friction, and needs the moduli at ten times higher "
+                "frequencies."
             ).classes("about")
             for longest, shortest, slope in offers:
                 ui.button(

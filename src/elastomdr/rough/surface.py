@@ -447,7 +447,7 @@ def _wide_by_skewness(surface: AbstractSpectrum) -> str:
     skewness, error = _skewness(surface)
     itself = "em.HalfSpace() slides over the map itself"
     if getattr(surface, "map", None) is None:
-        itself = "em.HalfSpace() slides over heights that are read from one map"
+        itself = "em.HalfSpace() needs no such assumption on a map of heights"
     if abs(skewness) < _CHANCE * error:
         return (
             f"the skewness of the heights is known within +- {error:.2g}, and Gaussian "
