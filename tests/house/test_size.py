@@ -20,7 +20,7 @@ ROOMS = {
     "rough": 64,
     "fit": 64,
     "smooth": 49,
-    "seal": 39,
+    "seal": 40,
     "results": 37,
     "io": 35,
     "surface": 30,

@@ -26,12 +26,10 @@ import numpy as np
 from ..arrays import Array, on_jax, xp
 from ..call.extrapolation import (
     excited_outside,
-    held_beyond,
     pressed_too_hard,
     rough_beyond,
 )
 from ..call.model_choice import is_rough, of_line
-from ..call.problem import check_carries
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
@@ -46,15 +44,17 @@ from ..checks import (
     warn_unless,
     whole_number,
 )
-from ..element.law import Foundation, as_foundation
+from ..element.law import Foundation
 from ..errors import InputError
-from ..material.shift import thermal_factors
 from ..material.validity import material_in_words
 from ..models import Line, seeds_of
 from ..results.doubts import Doubt
 from ..results.words import brief, surface_in_words
+from ..surface.lay import lay_of
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
+from ..surface.topography import skewness_of
+from .problem import Resting, resting_body, softening_left_out
 from .results import RoughContact
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def press(
     Popov & Hess 2015, ch. 10; Barber, Proc. R. Soc. A 459 (2003) 53; `docs/theory.md`.
     """
     foundation, model = _checked(material, surface, model, time, velocity)
-    points = _points(foundation, pressure, time, velocity, temperature)
+    points = _points(foundation, surface, pressure, time, velocity, temperature)
     traced = is_traced(foundation, surface, pressure, time, velocity, temperature)
     if traced and velocity is not None:
         raise InputError(
@@ -136,7 +136,6 @@ def press(
     )
     contact = _packed(points, surface, model, lines, solved, traced)
     warn_unless(solved.good, "points")
-    beyond = _beyond(foundation, surface, points)
     inputs = [
         *material_in_words(foundation),
         ("surface", surface_in_words(surface)),
@@ -151,7 +150,7 @@ def press(
         contact,
         thermal=_times(good, conductance, conductivity, "conductivity", False),
         electrical=_times(good, conductance, resistivity, "resistivity", True),
-        marks=(*beyond, *_too_much(foundation, surface, points)),
+        marks=_doubts(points),
         model="MDR line of the interface" + rule,
         inputs=tuple(inputs),
     )
@@ -164,13 +163,13 @@ def _checked(
     time: ArrayLike | None,
     velocity: ArrayLike | None,
 ) -> tuple[Foundation, Line]:
-    """The foundation and the model. Raises `InputError`."""
+    """The half-space and the model. Raises `InputError`."""
     if not is_rough(surface):
         raise InputError(
             "surface must be a rough line or a surface by its spectrum, got "
             f"{surface!r}."
         )
-    foundation = as_foundation(material)
+    foundation = resting_body(material, time)
     chosen = of_line(_USUAL if model is None else model, "press")
     if chosen.average:
         raise InputError(
@@ -182,12 +181,6 @@ def _checked(
             "time or velocity must be given, not both: in sliding the contact is "
             "that of the steady state."
         )
-    if foundation.per_area:
-        raise InputError(
-            "material must be a half-space under a rough surface, got a layer."
-        )
-    if time is None:
-        check_carries(foundation)
     return foundation, chosen
 
 
@@ -213,9 +206,9 @@ def _packed(
     )
     return RoughContact(
         pressure=points.pressure,
-        time=points.time,
+        time=points.rest.time,
         velocity=points.velocity,
-        temperature=points.temperature,
+        temperature=points.rest.temperature,
         approach=field(solved.approach),
         separation=field(solved.gap),
         stiffness=field(solved.stiffness),
@@ -247,13 +240,8 @@ class _Points(NamedTuple):
 
     shape: tuple[int, ...]
     pressure: Array
-    time: Array | None
     velocity: Array | None
-    temperature: Array | None
-    reduced_pressure: Array  # pressure over b_T [Pa]
-    factor: Array | float  # a_T
-    compliance: Array  # J at the reduced time, 1/E*(0) without one [1/Pa]
-    vertical: Array | float  # b_T
+    rest: Resting  # long after, in sliding
 
 
 class _PressedContact(NamedTuple):
@@ -270,6 +258,7 @@ class _PressedContact(NamedTuple):
 
 def _points(
     foundation: Foundation,
+    surface: Surface,
     pressure: ArrayLike,
     time: ArrayLike | None,
     velocity: ArrayLike | None,
@@ -285,25 +274,9 @@ def _points(
     )
     shape = broadcast_shape(arrays)
     full = {name: xp.broadcast_to(value, shape) + 0.0 for name, value in arrays.items()}
-    temperatures, times = full.get("temperature"), full.get("time")
-    factor, vertical = thermal_factors(foundation, temperatures)
-    compliance = (
-        1 / foundation.equilibrium
-        if times is None
-        else foundation.creep_compliance(times / factor)
-    )
-    reduced_pressure = full["pressure"] / vertical
-    return _Points(
-        shape,
-        full["pressure"],
-        times,
-        full.get("velocity"),
-        temperatures,
-        reduced_pressure,
-        factor,
-        compliance,
-        vertical,
-    )
+    times, temperatures = full.get("time"), full.get("temperature")
+    rest = Resting.of(foundation, surface, times, temperatures)
+    return _Points(shape, full["pressure"], full.get("velocity"), rest)
 
 
 def _length(surface: Surface, model: Line) -> tuple[Any, str]:
@@ -342,7 +315,7 @@ def _lines(surface: Surface, model: Line) -> list[RoughLine]:
 
 
 def _at_rest(points: _Points, lines: list[RoughLine], length: Array) -> _PressedContact:
-    load = points.reduced_pressure * points.compliance * length
+    load = points.pressure * points.rest.soft * length
     approaches, gaps, conductances, touching = [], [], [], []
     for line in lines:
         differ = "rough, with heights that differ"
@@ -358,7 +331,7 @@ def _at_rest(points: _Points, lines: list[RoughLine], length: Array) -> _Pressed
         gaps,
         conductances,
         None,
-        1 / points.compliance * points.vertical,
+        1 / points.rest.soft,
         points,
         touching,
     )
@@ -383,8 +356,9 @@ def _sliding(
     from .periodic import Job, solve_lines
 
     assert points.velocity is not None
-    reduced = (points.velocity * points.factor).ravel()
-    load = (points.reduced_pressure * length).ravel()
+    factor, vertical = points.rest.factor, points.rest.vertical
+    reduced = (points.velocity * factor).ravel()
+    load = (points.pressure / vertical * length).ravel()
     loads = np.concatenate([load, load * (1 - _STEP), load * (1 + _STEP)])
     jobs = [
         Job(
@@ -419,9 +393,7 @@ def _sliding(
         rise = (
             solution.load.reshape(3, -1)[2] - solution.load.reshape(3, -1)[1]
         ) / length
-        stiffnesses.append(
-            (rise / (more - less)).reshape(points.shape) * points.vertical
-        )
+        stiffnesses.append((rise / (more - less)).reshape(points.shape) * vertical)
     return _mean(approaches, gaps, conductances, stiffnesses, None, points, touching)
 
 
@@ -470,7 +442,7 @@ def _least(points: _Points, surface: Surface, line: RoughLine) -> Any:
     """Bound of the conductance over the conductivity; of a surface, a square as wide as
     a line is long.
     """
-    load = points.reduced_pressure * points.compliance
+    load = points.pressure * points.rest.soft
     if isinstance(surface, RoughLine):
         return least_conductance(load, xp.max(line.height) - xp.mean(line.height))
     spread, slope = (
@@ -502,46 +474,32 @@ def _times(
     return nan_unless(good, conductance / xp.sum(each if inverse else 1 / each))
 
 
-def _beyond(
-    foundation: Foundation, surface: Surface, points: _Points
-) -> tuple[Doubt, ...]:
-    """Points beyond the data of the material: in sliding by frequency of excitation, at
-    rest by 1/t.
+def _doubts(points: _Points) -> tuple[Doubt, ...]:
+    """Points beyond the data of the material, and pressures above its modulus: at rest
+    those of the time, in sliding by frequency of excitation, and at the longest waves;
+    and a softening, which lines do not follow.
     """
-    if foundation.range is None:
-        return ()
-    if points.velocity is not None:
-        outside = excited_outside(
-            foundation.range, surface, points.velocity * points.factor
-        )
-        return rough_beyond(foundation.range, outside, points.temperature, points.shape)
-    return held_beyond(
-        foundation.range, points.time, points.temperature, points.factor, points.shape
-    )
-
-
-def _too_much(
-    foundation: Foundation, surface: Surface, points: _Points
-) -> tuple[Doubt, ...]:
-    """Where a pressure exceeds the modulus: at rest that of the time, in sliding that at
-    the longest waves.
-    """
-    modulus = 1 / points.compliance
-    if points.velocity is not None:
-        line = isinstance(surface, RoughLine)
-        longest = 2 * np.pi / surface.period if line else surface.q_low
-        omega = longest * points.velocity * points.factor
-        modulus = abs(foundation.complex_modulus(omega))
-    return pressed_too_hard(points.reduced_pressure, modulus)
+    rest, shape = points.rest, points.shape
+    foundation, surface = rest.foundation, rest.surface
+    if points.velocity is None:
+        return rest.doubts(points.pressure, shape, softens=False)
+    reduced = points.velocity * rest.factor
+    outside = excited_outside(foundation.range, surface, reduced)
+    beyond = rough_beyond(foundation.range, outside, rest.temperature, shape)
+    line = isinstance(surface, RoughLine)
+    longest = 2 * np.pi / surface.period if line else surface.q_low
+    modulus = abs(foundation.complex_modulus(longest * reduced))
+    hard = pressed_too_hard(points.pressure / rest.vertical, modulus)
+    return (*beyond, *hard, *softening_left_out(foundation, shape))
 
 
 def _model_error(surface: Surface, points: _Points) -> Any:
     """Relative, of the conductance at rest: in the range of `benchmarks/rough_press.py`
-    0.28 at most, NaN elsewhere.
+    0.28 at most, NaN elsewhere, and on surfaces that are not Gaussian or have a lay.
     """
     assert isinstance(surface, AbstractSpectrum)  # lines are not compared
     relative_pressure = np.asarray(
-        points.reduced_pressure * points.compliance / surface.rms_slope
+        points.pressure * points.rest.soft / surface.rms_slope
     )
     inside = (relative_pressure >= _LEVELS[0] * (1 - 1e-9)) & (
         relative_pressure <= _LEVELS[1] * (1 + 1e-9)
@@ -549,6 +507,8 @@ def _model_error(surface: Surface, points: _Points) -> Any:
     inside &= points.velocity is None and surface.q_high <= _RATIO * surface.q_low * (
         1 + 1e-9
     )
+    inside &= points.rest.foundation.softening is None
+    inside &= not skewness_of(surface) and lay_of(surface) is None
     return np.where(inside, _OFF, np.nan)
 
 

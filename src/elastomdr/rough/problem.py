@@ -1,19 +1,40 @@
-"""What a road is asked for."""
+"""What a road is asked for, and rubber that rests on a rough surface."""
 
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..call.problem import Asked
+import numpy as np
+
+from ..arrays import stop_gradient, xp
+from ..call.extrapolation import (
+    beyond_sweep,
+    held_beyond,
+    pressed_too_hard,
+    warn_of,
+)
+from ..call.problem import Asked, check_carries
+from ..checks import is_traced
+from ..element.law import Foundation, as_foundation
+from ..element.layer import Layer
+from ..errors import InputError
+from ..material.shift import thermal_factors
+from ..results.doubts import Doubt
+from ..surface.spectrum import AbstractSpectrum
 from .adhesion import AdhesiveShear
 from .heat import Branch, Heat
+from .local_modulus import SoftenedByScale
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from .._types import Number
-    from ..call.types import Material, Surface
+    from .._types import ArrayLike, Number
+    from ..arrays import Array
+    from ..call.types import Material, SteadyBody, Surface
+    from ..material.validity import Range
+
+STRAIN_SHARE = 0.5  # strain of a length scale over its rms slope, where none is given
 
 
 @dataclasses.dataclass(frozen=True)
@@ -26,6 +47,112 @@ class RoughCall:
     rtol: float = 1e-6
     heat: Heat | None = None
     adhesion: AdhesiveShear | None = None
-    strain_share: Number = 0.5
+    strain_share: Number = STRAIN_SHARE
     progress: Callable[[int, int], None] | None = None
     branch: Branch = "cold"  # of several steady states with heat
+
+
+def resting_body(material: Material, time: ArrayLike | None) -> Foundation:
+    """The half-space of rubber that rests on a rough surface. Raises `InputError`."""
+    if isinstance(material, Layer):
+        raise InputError(
+            "material must be a half-space under a rough surface, whose waves are far "
+            "shorter than a layer is thick, got an em.layer: give its rubber alone."
+        )
+    foundation = as_foundation(material)
+    if foundation.per_area:
+        raise InputError(
+            "material must be a half-space under a rough surface, got independent "
+            "springs: give their rubber alone."
+        )
+    if time is None:
+        check_carries(foundation)
+    return foundation
+
+
+class Resting(NamedTuple):
+    """Rubber that a pressure has held on a rough surface for a time, or for ever.
+
+    Under a constant pressure contact grows, and is at each time that of an elastic body
+    with E* = b_T/J(t/a_T).
+    """
+
+    foundation: Foundation
+    surface: Surface
+    time: Array | None
+    temperature: Array | None
+    factor: Any  # a_T
+    vertical: Any  # b_T
+    soft: Any  # 1/E* [1/Pa]
+
+    @classmethod
+    def of(
+        cls,
+        foundation: Foundation,
+        surface: Surface,
+        time: Array | None,
+        temperature: Array | None,
+    ) -> Resting:
+        factor, vertical = thermal_factors(foundation, temperature)
+        compliance = (
+            1 / foundation.equilibrium
+            if time is None
+            else foundation.creep_compliance(time / factor)
+        )
+        soft = compliance / vertical + 0.0
+        return cls(foundation, surface, time, temperature, factor, vertical, soft)
+
+    def softened(self) -> SoftenedByScale | None:
+        """The softening of each length scale by its strain, on a spectrum."""
+        softening, surface = self.foundation.softening, self.surface
+        if softening is None or not isinstance(surface, AbstractSpectrum):
+            return None
+        return SoftenedByScale(softening, surface, np.asarray(STRAIN_SHARE))
+
+    def doubts(
+        self, pressure: Array, shape: tuple[int, ...], softens: bool
+    ) -> tuple[Doubt, ...]:
+        """Points beyond the data of the rubber, by time and strain, and those where the
+        largest `pressure` [Pa] is above its modulus; `softens`: whether the model
+        follows `softened()`.
+        """
+        known, time, temperature = self.foundation.range, self.time, self.temperature
+        beyond = held_beyond(known, time, temperature, self.factor, shape)
+        hard = pressed_too_hard(xp.broadcast_to(pressure, shape), 1 / self.soft)
+        softened = self.softened()
+        if not softens or softened is None:
+            return (*beyond, *hard, *softening_left_out(self.foundation, shape))
+        return (*beyond, *hard, *strained_beyond(softened, known, shape))
+
+
+def softening_left_out(body: SteadyBody, shape: tuple[int, ...]) -> tuple[Doubt, ...]:
+    """The doubt of all points of a model that is linear, where the rubber softens."""
+    if body.softening is None:
+        return ()
+    says = (
+        "leave out the softening of the material by strain: moduli are those of small "
+        "strain, with less real contact"
+    )
+    return (Doubt("estimate", np.ones(shape, bool), says, "em.break_out, em.leak"),)
+
+
+def strained_beyond(
+    softened: SoftenedByScale, known: Range | None, shape: tuple[int, ...]
+) -> tuple[Doubt, ...]:
+    """All points, where the surface strains the rubber more than its sweep did."""
+    strain, last = stop_gradient(
+        (
+            softened.strain(xp.asarray(softened.spectrum.q_high)),
+            softened.softening.strain[-1],
+        )
+    )
+    points = xp.full(shape, strain > last * (1 + 1e-9))
+    traced, strains = is_traced(strain, last), ""
+    if not traced:
+        ends = float(strain), float(last)
+        strains = "up to {:.2g} on a sweep that ends at {:.2g}".format(*ends)
+    doubts = beyond_sweep(points, known, strains)
+    if not traced and not (known is not None and known.illustrative):
+        for doubt in doubts:
+            warn_of(doubt)
+    return doubts

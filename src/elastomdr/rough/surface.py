@@ -5,6 +5,7 @@ pack.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,11 +13,9 @@ import numpy as np
 
 from ..arrays import stop_gradient, xp
 from ..call.extrapolation import (
-    beyond_sweep,
     excited_outside,
     pressed_too_hard,
     rough_beyond,
-    warn_of,
 )
 from ..call.problem import SteadyScene, rough_scene
 from ..checks import (
@@ -44,7 +43,7 @@ from .adhesion import AdhesiveShear, check_adhesion, sheared, why_hotter
 from .against_lay import Directed
 from .heat import NO_STATE, Heat, check_heat, why_no_state
 from .local_modulus import Local, SoftenedByScale
-from .problem import RoughCall
+from .problem import RoughCall, strained_beyond
 from .road_model import RoadProblem, SurfaceFriction, SurfaceModel, WaveByWave
 from .road_models import Multiscale
 
@@ -223,7 +222,7 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     )
     marks += _too_much(scene, surface)
     if softened is not None:
-        marks += _strained_beyond(softened, surface, scene)
+        marks += strained_beyond(softened, foundation.range, scene.shape)
     label = surface_in_words(surface)
     inputs = _inputs(scene, label, surface, heat, answer, strained, of_data, outside)
     inputs += turned.rows + states
@@ -617,6 +616,25 @@ def _strained(model: SurfaceModel, scene: SteadyScene, answer: _Answer) -> _Stra
         return _Strained(None, 0.0, 0.0, [SOFTENING_LEFT_OUT] if left_out else [])
     if scene.traced:
         return _Strained(None, np.nan, np.nan, [])
+    linear, here, of_mu, of_area = by_strain(model, problem, softened)
+    words = _softening_words(softened, problem.surface, here, linear, answer.hot.good)
+    return _Strained(linear.mu, of_mu, of_area, [("softening", words)])
+
+
+class ByStrain(NamedTuple):
+    """What softening changes at points on a surface."""
+
+    linear: SurfaceFriction  # without it
+    here: SurfaceFriction  # with it, to a rtol of 1e-3 at best
+    # how far mu and, relatively, the area are off: the strain is known within a factor
+    of_mu: np.ndarray
+    of_area: np.ndarray
+
+
+def by_strain(
+    model: SurfaceModel, problem: RoadProblem, softened: SoftenedByScale
+) -> ByStrain:
+    """Friction and real contact at other strains of each length scale, and at none."""
     roughly = problem._replace(rtol=max(problem.rtol, 1e-3), progress=None)
 
     def at(share: Array | None) -> SurfaceFriction:
@@ -633,16 +651,17 @@ def _strained(model: SurfaceModel, scene: SteadyScene, answer: _Answer) -> _Stra
             [(abs(o.mu - here.mu), abs(o.area / here.area - 1)) for o in others], axis=0
         )
 
+    return ByStrain(linear, here, *within_strain(changes, here.area))
+
+
+def within_strain(changes: Callable[[float], np.ndarray], area: Array) -> np.ndarray:
+    """The changes (..., points) by a factor on the strain of each length scale, within
+    which that is known at the real contact `area`.
+    """
     (light, within), (full, most) = _STRAIN_SHARE
-    more = np.clip((here.area - light) / (full - light), 0.0, 1.0)
-    of_mu, of_area = changes(most)
-    if (more < 1).any():
-        of_mu, of_area = (
-            more * far + (1 - more) * near
-            for far, near in zip((of_mu, of_area), changes(within), strict=True)
-        )
-    words = _softening_words(softened, problem.surface, here, linear, answer.hot.good)
-    return _Strained(linear.mu, of_mu, of_area, [("softening", words)])
+    more = np.clip((area - light) / (full - light), 0.0, 1.0)
+    far = changes(most)
+    return far if (more == 1).all() else more * far + (1 - more) * changes(within)
 
 
 def _directed(
@@ -738,26 +757,6 @@ def _softening_words(
         f"{words}; hysteresis {mu.min():.2f} to {mu.max():.2f} times, contact area "
         f"{area.min():.2f} to {area.max():.2f} times those without"
     )
-
-
-def _strained_beyond(
-    softened: SoftenedByScale, surface: AbstractSpectrum, scene: SteadyScene
-) -> tuple[Doubt, ...]:
-    """All points, where the surface strains the rubber more than its sweep did."""
-    strain, last = stop_gradient(
-        (softened.strain(xp.asarray(surface.q_high)), softened.softening.strain[-1])
-    )
-    points = xp.full(scene.shape, strain > last * (1 + 1e-9))
-    known = scene.foundation.range
-    if scene.traced:
-        return beyond_sweep(points, known)
-    ends = float(strain), float(last)
-    strains = "up to {:.2g} on a sweep that ends at {:.2g}".format(*ends)
-    doubts = beyond_sweep(points, known, strains)
-    if known is None or not known.illustrative:
-        for doubt in doubts:
-            warn_of(doubt)
-    return doubts
 
 
 def surface_plan(call: RoughCall, model: SurfaceModel) -> SurfacePlan:

@@ -40,9 +40,9 @@ from ..checks import Array
 from ..numerics.interpolation import hermite, monotone_slopes
 from ..numerics.root import search
 from ..results.base import part, quantity
-from ..surface.spectrum import AbstractSpectrum
-from .channels import Channels, GapFlow
-from .persson_gap import closing_pressure
+from ..rough.psd_integrals import nodes
+from .channels import Channels, GapFlow, RoughSeal
+from .persson_gap import closing_pressure, weighed_storage
 
 _PLACES = 65  # at which the fluid along an even seal is kept
 _CELLS, _MOST_CELLS = 64, 256  # of a seal whose pressure is not even
@@ -87,11 +87,18 @@ class PressedSeal(NamedTuple):
     """What is asked of a model, and how it is pressed."""
 
     model: Channels
-    surface: AbstractSpectrum
+    rough: RoughSeal
     soft: Any  # 1/E* [1/Pa]
     drop: Any  # dp [Pa]
     fluid: Fluid
-    direction: float | None  # of the flow to a lay [rad], if it is known
+
+    def closing(self) -> Any:
+        """p/E* at which channels close."""
+        surface, softened = self.rough.surface, self.rough.softened()
+        level = closing_pressure(self.model.closes) * surface.rms_slope
+        if softened is None:
+            return level
+        return level * weighed_storage(nodes(surface), softened)
 
 
 class SealFlow(NamedTuple):
@@ -166,7 +173,7 @@ def _asked(pressed: PressedSeal, relative_pressure: Array) -> GapFlow:
     """The model's answers at pressures over E* (rows, ...), in their shape."""
     rows, *dims = relative_pressure.shape
     flat = relative_pressure.reshape(rows, -1)
-    gaps = pressed.model.flow(pressed.surface, flat, pressed.direction)
+    gaps = pressed.model.flow(pressed.rough, flat)
     shaped = {
         name: x.reshape((*x.shape[:-1], *dims))
         for name, x in gaps._asdict().items()
@@ -259,7 +266,7 @@ def _whole(
 def even(pressed: PressedSeal, pressure: Array, length: Array) -> SealFlow:
     """A seal that is pressed evenly."""
     model, fluid = pressed.model, pressed.fluid
-    closed = stop_gradient(closing_pressure(model.closes) * pressed.surface.rms_slope)
+    closed = stop_gradient(pressed.closing())
     dry = pressure * pressed.soft
     line = _line(model.nodes, pressure, dry, pressed.drop, fluid, closed)
     dry = xp.broadcast_to(dry, line.x.shape[1:])
@@ -408,8 +415,7 @@ def _tables(pressed: PressedSeal, peak: Array) -> tuple[_Table, _Table]:
     """Up to the largest `peak`/E*, and the same from half of the answers: over log z/(1 -
     z), z = s over that at closing, in which roots of w are smooth up to closing.
     """
-    model, surface = pressed.model, pressed.surface
-    closed = closing_pressure(model.closes) * surface.rms_slope
+    model, closed = pressed.model, pressed.closing()
     step = _SPACING / (model.nodes - 1)
     top = float(peak.max() / closed)
     end = min(_RANGE[1], np.log(top / (1 - top))) if top < 1 else _RANGE[1]

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 
 from ..arrays import numpy_unless_traced, stop_gradient, xp
-from ..call.extrapolation import held_beyond, pressed_too_hard
 from ..call.several_materials import over_materials
 from ..checks import (
     broadcast,
     broadcast_shape,
+    is_traced,
     nan_unless,
     positive_arrays,
     warn_unless,
@@ -34,17 +34,19 @@ from ..models import Model, as_model
 from ..results.base import Array, Result, quantity, record
 from ..results.words import given_in_words, span
 from ..rough.adhesion import KNOWN_AREA, MOST_SHEAR, AdhesiveShear, shear_law
+from ..rough.local_modulus import Local, SoftenedByScale
+from ..rough.problem import Resting, resting_body
 from ..rough.road_model import RoadProblem
 from ..rough.road_models import Multiscale, Persson
-from ..rough.surface import bound_of_heights
-from .leak import bodies_in_words, pressed_bodies, softness
+from ..rough.surface import bound_of_heights, by_strain
+from ..surface.spectrum import AbstractSpectrum, as_spectrum
+from .leak import bodies_in_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Style
     from ..call.types import Material
-    from ..surface.spectrum import AbstractSpectrum
 
 _KINDS: dict[str, type[Model]] = {k.label: k for k in (Multiscale, Persson)}
 _RTOL, _MOST = 1e-6, 1e-3  # of the area that is aimed at, and at most
@@ -165,7 +167,8 @@ def break_out(
     it from above. Differentiable. Source: `docs/seal.md`.
     """
     solid: Any = material  # `over_materials` has taken a list apart
-    foundation = pressed_bodies(solid, surface, time)
+    foundation = resting_body(solid, time)
+    as_spectrum("surface", surface)
     chosen: Any = as_model(model, _KINDS) or Multiscale()
     if chosen.label not in _KINDS:
         raise InputError(
@@ -183,14 +186,12 @@ def break_out(
     )
     given = _Start(**arrays)
     shape = broadcast_shape(arrays)
-    soft, factor = softness(foundation, given.time, given.temperature)
-    contact = _contact(chosen, surface, given.pressure * soft)
+    rest = Resting.of(foundation, surface, given.time, given.temperature)
+    contact = _contact(chosen, rest, given.pressure * rest.soft)
     stress = _largest_stress(shear, given)
     mu = stress * contact.area / given.pressure
     good = xp.broadcast_to(contact.good, shape)
     warn_unless(good, "points")
-    beyond = held_beyond(foundation.range, given.time, given.temperature, factor, shape)
-    too_hard = pressed_too_hard(xp.broadcast_to(given.pressure, shape), 1 / soft)
     numbers = {
         "mu": mu,
         "area_ratio": contact.area,
@@ -206,7 +207,7 @@ def break_out(
     }
     return BreakOut(
         **broadcast({**given._asdict(), **fields, "converged": good}),
-        marks=(*beyond, *too_hard),
+        marks=rest.doubts(given.pressure, shape, chosen.softens),
         model=f"{chosen.words()}; its shear at once",
         plan="real contact of an elastic body with the creep of the dwell",
         inputs=(
@@ -239,20 +240,38 @@ class _RealContact(NamedTuple):
 
 
 def _contact(
-    model: Multiscale | Persson, surface: AbstractSpectrum, relative_pressure: Array
+    model: Multiscale | Persson, rest: Resting, relative_pressure: Array
 ) -> _RealContact:
-    """The contact of an elastic body at pressures over its E*."""
-    one, flat = Foundation(1.0, [], []), relative_pressure.ravel()
+    """The contact of an elastic body at pressures over its E* of small strain."""
+    surface, softened, softening = (
+        rest.surface,
+        rest.softened(),
+        rest.foundation.softening,
+    )
+    assert isinstance(surface, AbstractSpectrum)  # `as_spectrum` has looked
+    one, flat = Foundation(1.0, [], [], softening=softening), relative_pressure.ravel()
     slow = xp.ones_like(flat)
-    solved = model.solve(RoadProblem(one, surface, slow, flat, rtol=_RTOL))
+    problem = RoadProblem(one, surface, slow, flat, Local(softened), _RTOL)
+    solved = model.solve(problem)
     bound = model.bound(one, surface, slow, solved.area, of_area=True)
     assert bound is not None  # `_KINDS` are no truths themselves
     bound = bound + bound_of_heights(*stop_gradient((surface, solved.area)))
+    if softened is not None:
+        bound = bound + _of_strain(model, problem, softened)
     error = solved.area_error / xp.where(solved.area > 0, solved.area, 1.0)
     # its friction is zero: what has to settle is the area
     good = solved.good & (stop_gradient(error) <= _MOST)
     numbers = solved.area, error, bound, good
     return _RealContact(*(xp.reshape(x, relative_pressure.shape) for x in numbers))
+
+
+def _of_strain(
+    model: Multiscale | Persson, problem: RoadProblem, softened: SoftenedByScale
+) -> Any:
+    """How far the real contact is off where the strain of each scale is."""
+    if is_traced(problem):
+        return np.nan
+    return by_strain(model, problem, softened).of_area
 
 
 def _largest_stress(shear: AdhesiveShear, given: _Start) -> Any:

@@ -5,8 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
+from ..rough.local_modulus import SoftenedByScale
+from ..rough.problem import STRAIN_SHARE
+
 if TYPE_CHECKING:
     from ..arrays import Array
+    from ..material.softening import Softening
     from ..surface.spectrum import AbstractSpectrum
 
 
@@ -27,15 +33,31 @@ class GapFlow(NamedTuple):
     slip: Array | None = None
 
 
+class RoughSeal(NamedTuple):
+    """What is pressed together."""
+
+    surface: AbstractSpectrum
+    softening: Softening | None = None  # of the rubber, by the strain of each scale
+    direction: float | None = None  # of the flow to a lay [rad], if it is known
+
+    def softened(self, times: float = 1.0) -> SoftenedByScale | None:
+        """The softening at `times` the usual strain of each length scale."""
+        if self.softening is None:
+            return None
+        share = np.asarray(times * STRAIN_SHARE)
+        return SoftenedByScale(self.softening, self.surface, share)
+
+
 class Channels(NamedTuple):
     """A model with its options, as a leak asks it."""
 
-    # gaps of a surface, and flow through them, at pressures over E*, (rows, points), in
-    # a direction of the flow to a lay [rad], if it is known
-    flow: Callable[[AbstractSpectrum, Array, float | None], GapFlow]
+    # the flow through the gaps at pressures over E*, (rows, points)
+    flow: Callable[[RoughSeal, Array], GapFlow]
     # the real contact area over nominal area from which on nothing flows
     closes: float
     # pressures along a seal by which it is asked, 2^n + 1
     nodes: int = 17
     # whether it computes a flow in its direction to a lay
     turns: bool = False
+    # whether it follows the softening of each length scale
+    softens: bool = True

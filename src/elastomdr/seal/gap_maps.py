@@ -39,7 +39,7 @@ from ..rough.random_maps import MapGrid, grid_of
 from ..surface.lay import lay_of
 from ..surface.spectrum import AbstractSpectrum, rough_map
 from ..surface.topography import skewness_of
-from .channels import GapFlow
+from .channels import GapFlow, RoughSeal
 from .leak_form import of_heights, of_skewness
 
 _LEAST = -200.0  # log of w over the largest flow: below it a medium is closed
@@ -292,16 +292,16 @@ def leak(
     cells: int | None,
     periods: int | None,
     seeds: tuple[int, ...],
-    surface: AbstractSpectrum,
+    rough: RoughSeal,
     relative_pressure: Array,
-    direction: float | None,
 ) -> GapFlow:
     """The answers of `em.HalfSpace` at pressures over E*, (rows, points).
 
     On a surface with a lay the maps lie in the `direction` of the flow, which is that
     along their first axis; without one both axes are taken as one medium.
     """
-    if is_traced(surface, relative_pressure):
+    surface, softening, direction = rough
+    if is_traced(rough, relative_pressure):
         raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
     grid = grid_of(surface, cells, periods)
     flat, shape = np.ravel(relative_pressure), relative_pressure.shape
@@ -341,6 +341,8 @@ def leak(
     of_surface = of_heights(surface, area.mean(0))
     if turned:
         of_surface = of_skewness(skewness_of(surface), area.mean(0))
+    if softening is not None:  # cells have one modulus
+        of_surface = np.full_like(w, np.nan)
     return GapFlow(
         flow=w.reshape(shape),
         slip=slip.reshape(shape),

@@ -21,8 +21,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 
 from ..arrays import numpy_unless_traced, stop_gradient, xp
-from ..call.extrapolation import held_beyond, pressed_too_hard
-from ..call.problem import check_carries
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
@@ -38,22 +36,21 @@ from ..checks import (
     scalar,
     warn_unless,
 )
-from ..element.law import Foundation, as_foundation
-from ..element.layer import Layer
+from ..element.law import Foundation
 from ..errors import InputError
-from ..material.shift import thermal_factors
 from ..material.validity import material_in_words
 from ..models import Model, as_model, seeds_of
 from ..results.base import WIDE, Array, Result, quantity, record, setting
 from ..results.doubts import Doubt
 from ..results.words import brief, given_in_words, in_unit, span
+from ..rough.problem import Resting, resting_body
 from ..rough.road_models import HalfSpace, Multiscale
 from ..surface.lay import lay_of
 from ..surface.spectrum import as_spectrum
 from ..surface.topography import skewness_of
 from . import gap_maps, gas, leak_form
 from .along import AlongSeal, Fluid, PressedSeal, SealFlow, Uneven, even, uneven
-from .channels import Channels
+from .channels import Channels, RoughSeal
 from .gas import LeakGiven, check_absolute, check_gas, fluid_of
 from .leak_theories import CriticalConstriction, EffectiveMedium, LeakTheory
 from .o_ring import ORing, check_rubber
@@ -277,7 +274,7 @@ _FEW = 5  # pressures along a seal where each is a contact in three dimensions
 
 def _of_maps(model: HalfSpace) -> Channels:
     flow = partial(gap_maps.leak, model.cells, model.periods, seeds_of(model.seeds))
-    return Channels(flow, gap_maps.SHUT, _FEW, turns=True)
+    return Channels(flow, gap_maps.SHUT, _FEW, turns=True, softens=False)
 
 
 def _of_theory(model: LeakTheory) -> Channels:
@@ -418,7 +415,8 @@ def leak(
         time = _of_ring("time", time, o_ring.time)
         temperature = _of_ring("temperature", temperature, o_ring.temperature)
     solid: Any = material  # `over_materials` has taken a list apart
-    foundation = pressed_bodies(solid, surface, time)
+    foundation = resting_body(solid, time)
+    as_spectrum("surface", surface)
     chosen = _channels(model)
     seal = _seal(pressure, profile, o_ring, length)
     given = _checked(
@@ -441,21 +439,21 @@ def leak(
     shape = broadcast_shape(given._asdict())
     fluid, given = fluid_of(given)
     temperature = _of_rubber(foundation, given)
-    soft, factor = softness(foundation, given.time, temperature)
+    rest = Resting.of(foundation, surface, given.time, temperature)
     way = None if direction is None else _angle(direction)
-    pressed = PressedSeal(chosen, surface, soft, given.pressure_drop, fluid, way)
+    rough = RoughSeal(surface, foundation.softening, way)
+    pressed = PressedSeal(chosen, rough, rest.soft, given.pressure_drop, fluid)
     if seal.pressure_at is None:
         flow = even(pressed, given.pressure, given.length)
     else:
         flow = _along(pressed, seal, seal.pressure_at)
     good = xp.broadcast_to(flow.good, shape)
     warn_unless(good, "points")
-    beyond = held_beyond(foundation.range, given.time, given.temperature, factor, shape)
-    too_hard = pressed_too_hard(xp.broadcast_to(seal.peak, shape), 1 / soft)
+    doubts = rest.doubts(seal.peak, shape, chosen.softens)
     inputs = tuple(_inputs_in_words(foundation, pressed, given, seal))
     found = _found(given, flow, good, inputs)
     wide = _wide_by_heights(pressed, found.model_error, good)
-    return dataclasses.replace(found, marks=(*beyond, *too_hard, *wide))
+    return dataclasses.replace(found, marks=(*doubts, *wide))
 
 
 def _angle(direction: float) -> float:
@@ -560,7 +558,7 @@ def _along(
     """The flow where the pressure changes along it, in the shape of its points."""
     soft, drop, (expands, path) = pressed.soft, pressed.drop, pressed.fluid
     arrays = (soft, drop, expands, path, seal.length, seal.peak)
-    if is_traced(pressed.surface, *arrays):
+    if is_traced(pressed.rough, *arrays):
         raise InputError(
             "pressure must be given under jax.jit, grad and vmap, in place of profile "
             "or o_ring, whose flow is searched with concrete numbers."
@@ -601,29 +599,6 @@ def _model_in_words(given: LeakGiven, flow: SealFlow) -> str:
     return flow.said + (gas.SAID_OF_MAPS if flow.slips_by_itself else gas.SAID)
 
 
-def pressed_bodies(
-    material: Material, surface: AbstractSpectrum, time: ArrayLike | None
-) -> Foundation:
-    """The foundation of rubber that is pressed on a rough surface. Raises
-    `InputError`.
-    """
-    if isinstance(material, Layer):
-        raise InputError(
-            "material must be a half-space under a rough surface, whose waves are far "
-            "shorter than a layer is thick, got an em.layer: give its rubber alone."
-        )
-    foundation = as_foundation(material)
-    as_spectrum("surface", surface)
-    if foundation.per_area:
-        raise InputError(
-            "material must be a half-space under a rough surface, got independent "
-            "springs: give their rubber alone."
-        )
-    if time is None:
-        check_carries(foundation)
-    return foundation
-
-
 _CHECKS = {"outlet_pressure": check_absolute, "mean_free_path": not_negative}
 
 
@@ -662,19 +637,6 @@ def _checked(arguments: dict[str, ArrayLike | None], peak: ArrayLike) -> LeakGiv
             "the squeeze and that of the fluid."
         )
     return given
-
-
-def softness(
-    foundation: Foundation, time: Array | None, temperature: Array | None
-) -> tuple[Any, Any]:
-    """1/E* [1/Pa] of rubber that a pressure has acted on for a time, and a_T."""
-    factor, vertical = thermal_factors(foundation, temperature)
-    compliance = (
-        1 / foundation.equilibrium
-        if time is None
-        else foundation.creep_compliance(time / factor)
-    )
-    return compliance / vertical + 0.0, factor
 
 
 def _found(
@@ -741,9 +703,9 @@ def _found(
 
 def _heights_in_words(pressed: PressedSeal) -> list[str]:
     """What a measured surface has that the model does not know."""
-    surface, remarks = pressed.surface, []
+    surface, remarks = pressed.rough.surface, []
     skewness = getattr(surface, "skewness", 0.0)
-    turned = pressed.model.turns and pressed.direction is not None
+    turned = pressed.model.turns and pressed.rough.direction is not None
     if lay_of(surface) is not None and not turned:
         remarks.append(
             "the surface has a lay, along which more flows and across which less, through "
@@ -788,7 +750,7 @@ def bodies_in_words(
 def _inputs_in_words(
     foundation: Foundation, pressed: PressedSeal, given: LeakGiven, seal: _Seal
 ) -> list[tuple[str, str]]:
-    surface, direction = pressed.surface, pressed.direction
+    surface, _, direction = pressed.rough
     inputs = bodies_in_words(foundation, surface)
     inputs += given_in_words(given, _UNITS)
     if seal.said:

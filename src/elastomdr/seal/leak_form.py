@@ -4,29 +4,35 @@ three-dimensional maps.
     u = c u_P (u_P/h)^-d,                            u_P by Persson's theory
     w = u^3 [1 - 0.9 exp(-0.56 u/h)] (1 - A/a)^(k D^-e (A/a)^m)
 
-w/12 viscosity is the flow per width and pressure gradient, A the real contact area by
-`rough.psd_integrals`, h the rms height, and D = dlog R/dlog q at q_high how much the
-shortest waves count, held within its range on the maps. The square bracket is the flow factor of
-isotropic surfaces that hardly touch (Patir and Cheng, J. Lubr. Technol. 100 (1978) 12):
-maps meet it where contact is light. Channels close at A = a = 0.415 (Wang and Mueser,
-Tribol. Lett. 69 (2021)).
+w/12 viscosity is the flow per width and pressure gradient, A the share of contact by
+`rough.psd_integrals` with gamma = 1/2, h the rms height, and D = dlog R/dlog q at
+q_high how much the shortest waves count, held within its range on the maps. The real
+contact that a result has is that of `rough.multiscale`, as in friction and break-out: 2
+% less where contact is light, 3 % more where it is nearly full. The square bracket is
+the flow factor of isotropic surfaces that hardly touch (Patir and Cheng, J. Lubr.
+Technol. 100 (1978) 12): maps meet it where contact is light. Channels close at A = a =
+0.415 (Wang and Mueser, Tribol. Lett. 69 (2021)).
 """
 
 import functools
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from ..arrays import Array, stop_gradient, xp
 from ..checks import is_traced, known
 from ..numerics.implicit import as_doubles, numbers_with_slopes
-from ..rough.psd_integrals import PER_DECADE, cell_counts, nodes
+from ..rough.psd_integrals import PER_DECADE, Nodes, cell_counts, nodes
+from ..rough.surface import within_strain
 from ..surface.lay import lay_of
 from ..surface.spectrum import AbstractSpectrum
 from ..surface.topography import skewness_of
-from .channels import GapFlow
+from .channels import GapFlow, RoughSeal
 from .persson_gap import GapPoints, contact_of, critical_gap, mean_gap
+
+if TYPE_CHECKING:
+    from ..material.softening import Softening
 
 _BATCH = 256  # pressures that are held in memory at once
 _TRACED = 24  # cells per decade where JAX traces a value
@@ -157,36 +163,36 @@ def of_heights(
     return log + of_skewness(skewness, area) if skewness else log
 
 
-def bound(
-    surface: AbstractSpectrum, area: Array, direction: float | None = None
-) -> Any:
+def bound(rough: RoughSeal, area: Array, of_strain: Array | float = 0.0) -> Any:
     """w is within a factor of 1 + this of three dimensions, for 95 % of the points of
     the maps.
 
     Outside the maps the logarithm of that factor grows, times 1 + log10 of how many
     times the cutoff ratio and the real contact lie beyond their range; a lay and a
-    skewness of the heights add to it.
+    skewness of the heights add to it, and `of_strain`, by which the logarithm of w is off
+    where the strain of each scale is.
     """
+    surface = rough.surface
     ratio = surface.q_high / surface.q_low
     beyond = sum(
         np.log10(np.maximum(x, 1.0))
         for x in (ratio / _RATIOS[1], _RATIOS[0] / ratio, _LEAST / area)
     )
     return np.expm1(
-        log_bound(area) * (1 + beyond) + of_heights(surface, area, direction)
+        log_bound(area) * (1 + beyond)
+        + of_heights(surface, area, rough.direction)
+        + of_strain
     )
 
 
-def leak(
-    surface: AbstractSpectrum, relative_pressure: Array, direction: float | None
-) -> GapFlow:
+def leak(rough: RoughSeal, relative_pressure: Array) -> GapFlow:
     """The answers at pressures over E*, (rows, points)."""
-    if is_traced(surface, relative_pressure):
-        shared, points = as_doubles((surface, relative_pressure))
-        counts = cell_counts(known(stop_gradient(surface)), _TRACED)
-        numbers = _with_slopes(counts, direction)(shared, points)
+    if is_traced(rough, relative_pressure):
+        shared, points = as_doubles((rough[:2], relative_pressure))
+        counts = cell_counts(known(stop_gradient(rough.surface)), _TRACED)
+        numbers = _with_slopes(counts, rough.direction)(shared, points)
     else:
-        numbers = _numbers(surface, relative_pressure, direction)
+        numbers = _numbers(rough, relative_pressure)
     flow, gap, area, critical, error, model_error = numbers
     return GapFlow(
         flow=flow,
@@ -200,32 +206,50 @@ def leak(
     )
 
 
-def _numbers(
-    surface: AbstractSpectrum, relative_pressure: Array, direction: float | None
-) -> tuple[Any, ...]:
+def _numbers(rough: RoughSeal, relative_pressure: Array) -> tuple[Any, ...]:
     """Flow, gap, area, critical gap of the first row, relative error of the flow and its
     bound.
     """
+    surface, softened = rough.surface, rough.softened()
     flat, first = np.ravel(relative_pressure), relative_pressure[0]
     fine, coarse = (nodes(surface, count) for count in (PER_DECADE, PER_DECADE // 2))
     parts = []
     for batch in np.split(flat, range(_BATCH, flat.size, _BATCH)):
-        contacts = contact_of(fine, batch)
+        contacts = contact_of(fine, batch, softened)
         flow, gap = _flow_and_gap(contacts, surface.rms_height)
-        less, _ = _flow_and_gap(contact_of(coarse, batch), surface.rms_height)
+        less, _ = _flow_and_gap(contact_of(coarse, batch, softened), surface.rms_height)
         error = np.abs(flow - less) / np.where(flow > 0, flow, 1.0)
-        parts.append(
-            (flow, gap, contacts.area, error, bound(surface, contacts.area, direction))
-        )
+        off = _of_strain(rough, coarse, batch, contacts.real)
+        model_error = bound(rough, contacts.area, off)
+        parts.append((flow, gap, contacts.real, error, model_error))
     flow, gap, area, error, model_error = (
         np.concatenate(columns).reshape(relative_pressure.shape)
         for columns in zip(*parts, strict=True)
     )
     batches = np.split(first, range(_BATCH, first.size, _BATCH))
     critical = np.concatenate(
-        [critical_gap(contact_of(fine, batch)) for batch in batches]
+        [critical_gap(contact_of(fine, batch, softened)) for batch in batches]
     )
     return flow, gap, area, critical, error, model_error
+
+
+def _of_strain(
+    rough: RoughSeal, wave_nodes: Nodes, relative_pressure: Array, area: Array
+) -> Any:
+    """How far the logarithm of w is off, where the strain of each scale is."""
+    if rough.softening is None:
+        return 0.0
+
+    def log_flow(times: float) -> Any:
+        contacts = contact_of(wave_nodes, relative_pressure, rough.softened(times))
+        flow, _ = _flow_and_gap(contacts, rough.surface.rms_height)
+        return np.log(np.maximum(flow, 1e-300))
+
+    def changes(times: float) -> Any:
+        here = log_flow(1.0)
+        return np.max([abs(log_flow(x) - here) for x in (times, 1 / times)], axis=0)
+
+    return within_strain(changes, area)
 
 
 def _flow_and_gap(contacts: GapPoints, rms_height: Array | float) -> tuple[Any, Any]:
@@ -233,6 +257,10 @@ def _flow_and_gap(contacts: GapPoints, rms_height: Array | float) -> tuple[Any, 
     gap = gap_of(mean_gap(contacts) / rms_height)
     flow = gap**3 * factor(gap, contacts.area, contacts.steep)
     return rms_height**3 * flow, rms_height * gap
+
+
+# surface and softening, which JAX may trace
+_LeakShared: TypeAlias = "tuple[AbstractSpectrum, Softening | None]"
 
 
 @functools.lru_cache(64)
@@ -243,16 +271,19 @@ def _with_slopes(
     area.
     """
 
-    def formula(surface: AbstractSpectrum, relative_pressure: Array) -> tuple[Any, ...]:
-        flat = relative_pressure.ravel()
-        contacts = contact_of(nodes(surface, _TRACED, counts=counts), flat)
+    def formula(shared: _LeakShared, relative_pressure: Array) -> tuple[Any, ...]:
+        surface, _ = shared
+        flat, softened = relative_pressure.ravel(), RoughSeal(*shared).softened()
+        contacts = contact_of(nodes(surface, _TRACED, counts=counts), flat, softened)
         flow, gap = _flow_and_gap(contacts, (2 * np.pi * surface.moment(1)) ** 0.5)
         shape = relative_pressure.shape
-        return tuple(x.reshape(shape) for x in (flow, gap, contacts.area))
+        return tuple(x.reshape(shape) for x in (flow, gap, contacts.real))
 
-    def like(surface: AbstractSpectrum, relative_pressure: Array) -> tuple[Any, ...]:
+    def like(shared: _LeakShared, relative_pressure: Array) -> tuple[Any, ...]:
         each = (relative_pressure,) * 3
         return (*each, relative_pressure[0], *each[:2])
 
-    numbers = functools.partial(_numbers, direction=direction)
+    def numbers(shared: _LeakShared, relative_pressure: Array) -> tuple[Any, ...]:
+        return _numbers(RoughSeal(*shared, direction), relative_pressure)
+
     return numbers_with_slopes(numbers, ((formula, 3),), like)

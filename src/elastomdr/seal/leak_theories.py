@@ -23,7 +23,7 @@ from ..errors import InputError
 from ..models import Model
 from ..rough.psd_integrals import PER_DECADE, nodes
 from ..units.arguments import constructor_in_si
-from .channels import GapFlow
+from .channels import GapFlow, RoughSeal
 from .gap_maps import effective_medium
 from .persson_gap import (
     CLOSES,
@@ -36,7 +36,6 @@ from .persson_gap import (
 
 if TYPE_CHECKING:
     from ..arrays import Array
-    from ..surface.spectrum import AbstractSpectrum
 
 
 class LeakTheory(Model, ABC):
@@ -54,24 +53,20 @@ class LeakTheory(Model, ABC):
     def flow(self, contacts: GapPoints) -> Array:
         """w [m^3] at each point."""
 
-    def leak(
-        self,
-        surface: AbstractSpectrum,
-        relative_pressure: Array,
-        direction: float | None = None,
-    ) -> GapFlow:
-        if is_traced(surface, relative_pressure):
+    def leak(self, rough: RoughSeal, relative_pressure: Array) -> GapFlow:
+        surface, softened = rough.surface, rough.softened()
+        if is_traced(rough, relative_pressure):
             raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
         fine, coarse = (nodes(surface, count) for count in (2 * PER_DECADE, PER_DECADE))
         flat, shape = np.ravel(relative_pressure), relative_pressure.shape
-        contacts = contact_of(fine, flat)
-        w, less = self.flow(contacts), self.flow(contact_of(coarse, flat))
+        contacts = contact_of(fine, flat, softened)
+        w, less = self.flow(contacts), self.flow(contact_of(coarse, flat, softened))
         with np.errstate(invalid="ignore", divide="ignore"):
             error = np.where(w > 0, np.abs(w - less) / w, 0.0)
         return GapFlow(
             flow=w.reshape(shape),
             gap=mean_gap(contacts).reshape(shape),
-            critical_gap=critical_gap(contact_of(fine, relative_pressure[0])),
+            critical_gap=critical_gap(contact_of(fine, relative_pressure[0], softened)),
             area=contacts.area.reshape(shape),
             error=error.reshape(shape),
             model_error=np.full(shape, np.nan),

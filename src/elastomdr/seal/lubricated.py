@@ -50,6 +50,7 @@ from ..results.base import Array, Result, part, quantity, record
 from ..results.doubts import Doubt, where
 from ..results.words import brief, describe, in_unit, span
 from ..rough.adhesion import AdhesiveShear, shear_law
+from ..rough.problem import softening_left_out
 from ..smooth.problem import SmoothCall
 from ..surface.shapes import Cylinder
 from ..surface.spectrum import AbstractSpectrum, as_spectrum
@@ -57,7 +58,15 @@ from ..trees import replaced
 from . import film as films
 from .leak import BOTH
 from .response import SealBody, bodies_of, compliance, response
-from .roughness import FlowFactor, Roughness, Rubbing, Touching, pressed, rubbing
+from .roughness import (
+    FlowFactor,
+    Roughness,
+    Rubbing,
+    Touching,
+    half_space_of,
+    pressed,
+    rubbing,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -811,6 +820,7 @@ def _packed(
     )
     profile = [profiles[:, i].reshape(*dims, -1) for i in range(4)]
     beyond = _beyond(scene, solved)
+    left_out = softening_left_out(half_space_of(scene.material), dims)
     temperature = scene.temperature
     inputs = [
         *material_in_words(scene.material),
@@ -841,7 +851,7 @@ def _packed(
         model_error=np.full(dims, np.nan),
         profile=FilmProfile(*profile),
         converged=good.reshape(dims),
-        marks=(*beyond, *_too_much(scene, solved)),
+        marks=(*beyond, *_too_much(scene, solved), *left_out),
         model=model,
         plan=f"Newton's method on {_NODES} and more nodes, extrapolated",
         inputs=tuple(inputs),

@@ -8,7 +8,8 @@ p/E* and the share of contact A(z) that is seen at the wave number z (`share` of
     w(q, z) = (pi int_z^q k^3 C dk)^(-1/2),
     J(x) = int_x^inf [g + 3 (1-g) erf(t)^2] exp(-t^2) dt/t,      g = 0.45,
 
-and u(q_low) that of the whole surface. Where contact is lost as waves from z to z + dz
+and u(q_low) that of the whole surface. Where moduli soften by the strain of each scale,
+E* is that of q, here and in A(z). Where contact is lost as waves from z to z + dz
 come into sight, the gap is u_1 = u + u' A/A'. With the integral I of erf^2 exp(-t^2)/t
 over all t, and c Euler's constant,
 
@@ -28,7 +29,8 @@ from numpy.polynomial import chebyshev
 
 from ..arrays import Array, xp
 from ..numerics.quadrature import gauss
-from ..rough.multiscale import contact, rate_of
+from ..rough.local_modulus import SoftenedByScale
+from ..rough.multiscale import FORM, contact, rate_of, real_area
 from ..rough.psd_integrals import Nodes, integral_to, share
 
 CLOSES = 0.42  # share of contact at which channels close
@@ -47,23 +49,44 @@ class GapPoints(NamedTuple):
     wave_nodes: Nodes
     relative_pressure: Any  # p/E* (points, 1, 1)
     variance: Any  # R up to each node (points, cells, 2)
+    stored: Any  # E* of each node over that of small strain (cells, 2)
     area: Any  # A at q_high (points,)
+    real: Any  # the real contact that `em.Multiscale` has there
     steep: Any  # dlog R/dlog q at q_high
 
 
-def contact_of(wave_nodes: Nodes, relative_pressure: Array) -> GapPoints:
+def contact_of(
+    wave_nodes: Nodes,
+    relative_pressure: Array,
+    softened: SoftenedByScale | None = None,
+) -> GapPoints:
     """The contact at many pressures p/E*, shape (points,)."""
     relative_pressure = relative_pressure[:, None, None]
-    rate = rate_of(wave_nodes, _ALL_ROUND, relative_pressure)
+    stored, last = (
+        stored_at(softened, wave_nodes.q),
+        stored_at(softened, wave_nodes.end),
+    )
+    rate = rate_of(wave_nodes, _ALL_ROUND * stored**2, relative_pressure)
     total = (rate * wave_nodes.weight).sum((-2, -1))
-    end = wave_nodes.end_power / (wave_nodes.power * wave_nodes.weight).sum()
+    power = (wave_nodes.power * stored**2 * wave_nodes.weight).sum()
+    end = wave_nodes.end_power * last**2 / power
     return GapPoints(
         wave_nodes,
         relative_pressure,
         integral_to(rate, wave_nodes.weight),
+        stored,
         contact(total, *_CONTACT),
+        real_area(contact(total, FORM.gamma, True)),
         end + 0 * total,
     )
+
+
+def stored_at(softened: SoftenedByScale | None, q: Array) -> Any:
+    """E* at wave numbers over that of small strain."""
+    if softened is None:
+        return 1.0
+    storage, _ = softened.softening.factors(softened.strain(q))
+    return storage
 
 
 def mean_gap(contacts: GapPoints) -> Any:
@@ -72,6 +95,7 @@ def mean_gap(contacts: GapPoints) -> Any:
     each = (
         contacts.wave_nodes.power
         / contacts.wave_nodes.q
+        * contacts.stored
         * x
         * gap_integral(x)
         * contacts.wave_nodes.weight
@@ -116,6 +140,15 @@ def closing_pressure(area: float) -> float:
     return float(np.exp(low))
 
 
+def weighed_storage(wave_nodes: Nodes, softened: SoftenedByScale) -> Any:
+    """E* over that of small strain, the root mean square by the waves' slopes: by which
+    a pressure that closes channels is less.
+    """
+    slopes = wave_nodes.power * wave_nodes.weight
+    stored = stored_at(softened, wave_nodes.q)
+    return ((slopes * stored**2).sum() / slopes.sum()) ** 0.5
+
+
 class GapScales(NamedTuple):
     """What is seen at each node but the ends, (points, nodes), with log z ascending."""
 
@@ -128,7 +161,8 @@ def scales(contacts: GapPoints) -> GapScales:
     points = contacts.area.size
     variance = contacts.variance.reshape(points, -1)
     q, weight = contacts.wave_nodes.q.ravel(), contacts.wave_nodes.weight.ravel()
-    weighted_power = (contacts.wave_nodes.power.ravel() / q * weight)[None]
+    power = (contacts.stored * contacts.wave_nodes.power).ravel()
+    weighted_power = (power / q * weight)[None]
     shares = contact(variance, *_CONTACT)
     gaps = np.zeros_like(shares)
     for k in range(q.size - 1):
