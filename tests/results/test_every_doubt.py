@@ -288,17 +288,9 @@ def test_each_kind_is_made_by_each_class_or_cannot_be():
 @pytest.mark.parametrize(
     ("name", "said", "made"),
     [
-        *(
-            pytest.param(name, said, made, id=f"{name}: {said}")
-            for name, calls in CALLS.items()
-            for said, made in calls
-        ),
-        *(
-            pytest.param(
-                name, "illustrative, extrapolated", lambda n=name: illustrative(n)
-            )
-            for name in OUTSIDE
-        ),
+        pytest.param(name, said, made, id=f"{name}: {said}")
+        for name, calls in CALLS.items()
+        for said, made in calls
     ],
 )
 def test_a_doubt_is_found_wherever_its_result_is_shown(name, said, made):
@@ -306,22 +298,22 @@ def test_a_doubt_is_found_wherever_its_result_is_shown(name, said, made):
     assert type(result).__name__ == name
     expected = set(said.split(", "))
     assert expected <= kinds(result.doubts)
-    if "illustrative" in expected:
-        (doubt,) = (each for each in result.doubts if each.kind == "illustrative")
-        assert doubt.points.all()
     shown_everywhere(result, expected)
 
 
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("name", OUTSIDE)
-def test_points_that_failed_or_lie_outside_are_found_wherever_they_are_shown(name):
-    result = OUTSIDE[name](RUBBER)
+def test_what_every_result_may_have_is_found_wherever_it_is_shown(name):
+    """Points that failed, or lie outside the data, of illustrative moduli."""
+    result = illustrative(name)
+    (doubt,) = (each for each in result.doubts if each.kind == "illustrative")
+    assert doubt.points.all()
+    assert result.extrapolated.any()
     failed = np.array(result.converged)
     failed.flat[0] = False
     result = dataclasses.replace(result, converged=failed)
     assert points(result.doubts, "not converged").flat[0]
-    assert result.extrapolated.any()
-    shown_everywhere(result, {"not converged", "extrapolated"})
+    shown_everywhere(result, {"not converged", "extrapolated", "illustrative"})
 
 
 def shown_everywhere(result: Result, expected: set[str]) -> None:
