@@ -391,6 +391,7 @@ PRESSED = {
     "slid": lambda p: em.press(rubber(), ROAD, pressure=p, velocity=0.1),
     "leak": lambda p: em.leak(rubber(), ROAD, pressure=p, **OIL),
     "break_out": lambda p: em.break_out(rubber(), ROAD, pressure=p, boundary_shear=1e5),
+    "o_ring": lambda p: em.o_ring(rubber(), 5e-3, 0.15, fluid_pressure=p),
     "lubricated": lambda p: em.lubricated(
         rubber(), em.Cylinder(1e-2, 0.1), velocity=0.1, viscosity=1e-2, load=p / 10
     ),
@@ -399,6 +400,7 @@ PRESSED = {
 
 @pytest.mark.parametrize("verb", PRESSED)
 @pytest.mark.filterwarnings("ignore::elastomdr.errors.ConvergenceWarning")
+@pytest.mark.filterwarnings("ignore:.*deeper than the radius of contact")
 def test_a_pressure_far_above_the_modulus_is_warned_of(verb):
     """300 MPa typed in place of 0.3; or a load in the wrong unit."""
     with pytest.warns(

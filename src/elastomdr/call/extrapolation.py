@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _OUTSIDE = 0.1
 _CELLS = 400  # of the slope, where each wave has a temperature of its own
 # pressure over the modulus from which on there is a warning
-_FAR = 10.0
+_FAR = 5.0
 
 
 def told(

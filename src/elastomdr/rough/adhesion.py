@@ -32,7 +32,7 @@ from ..checks import (
     significant,
     written,
 )
-from ..errors import InputError
+from ..errors import InputError, ModelWarning, warn
 from ..material.shift import AbstractShift
 from ..results.curve import FrictionCurve
 from ..results.doubts import Doubt
@@ -52,6 +52,7 @@ MOST_SHEAR = 1.0  # tau A/F_N above which the sum is no prediction (docs/rough.m
 # off, but what a shear law leaves out: contacts that shear changes, bonds that grow
 # in sliding and at rest
 KNOWN_AREA = 0.02
+_STRONGEST = 1e8  # [Pa]
 _SKEWED = 0.2  # of 1 - b/a: against 56 contacts in three dimensions (docs/accuracy.md)
 # relative error of an area of 64 by 64 cells about the contact, its border corrected
 _STAIRCASE = 0.01
@@ -158,6 +159,7 @@ def check_adhesion(
             "adhesion must be an em.AdhesiveShear(stress, velocity, width), got "
             f"{adhesion!r}."
         )
+    _hint_at_pascals(adhesion)
     if adhesion.shift is not None and temperature is None:
         raise InputError(
             "adhesion has a shift law and needs a temperature [K]; shift=None "
@@ -174,10 +176,22 @@ def shear_law(
     if not isinstance(shear, AdhesiveShear):
         stress = as_float64("boundary_shear", shear)
         positive("boundary_shear", stress)
-        return AdhesiveShear(stress, 1.0, 0.0)
+        shear = AdhesiveShear(stress, 1.0, 0.0)
+    _hint_at_pascals(shear)
     if shear.shift is not None and temperature is None:
         raise InputError("boundary_shear has a shift law and needs a temperature [K].")
     return shear
+
+
+def _hint_at_pascals(shear: AdhesiveShear) -> None:
+    """Warns of a stress that no rubber bears."""
+    if not is_traced(shear.stress) and shear.stress > _STRONGEST:
+        warn(
+            f"The shear stress of the real contact is {float(shear.stress):g} Pa, more "
+            "than rubber bears (some MPa, at most tens of them): stresses are taken in "
+            "Pa.",
+            ModelWarning,
+        )
 
 
 def sheared(

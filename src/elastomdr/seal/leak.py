@@ -672,10 +672,7 @@ def _found(
     }
     profile = None
     if flow.profile is not None:
-        places = (
-            np.broadcast_to(each, (*shape, each.shape[-1]))
-            for each in vars(flow.profile).values()
-        )
+        places = vars(flow.profile).values()
         profile = AlongSeal(
             *(np.where(good[..., None], each, np.nan) for each in places)
         )

@@ -30,7 +30,7 @@ from ..call.extrapolation import (
     steady_beyond,
     told,
 )
-from ..call.problem import Asked
+from ..call.problem import Asked, doubt_depth
 from ..call.several_materials import over_materials
 from ..checks import (
     broadcast_shape,
@@ -319,7 +319,12 @@ def lubricated(
             ):
                 solved[i] = result
     good = np.array([each.good for each in solved])
-    warn_unless(good, "points")
+    lost = np.isnan([each.half for each in solved]).sum()
+    flat = (
+        f"{lost} of them have no dry contact, as where the load (in N) presses a layer "
+        "flat."
+    )
+    warn_unless(good, "points", reason=flat if lost else "")
     model = _MODEL + ("" if surface is None else _ROUGH[flow_factor])
     return _packed(scene, solved, good, model, shear)
 
@@ -354,14 +359,10 @@ class _FilmScene(NamedTuple):
 
     def groups(self) -> Iterator[Array]:
         """Numbers of points that differ in velocity and viscosity only."""
-        temperature = (
-            np.zeros(self.load.size) if self.temperature is None else self.temperature
-        )
-        time = np.zeros(self.load.size) if self.time is None else self.time
-        key = np.column_stack([self.load, temperature, time])
-        _, group = np.unique(key, axis=0, return_inverse=True)
-        group = group.ravel()
-        for i in range(group.max() + 1 if group.size else 0):
+        given = (self.load, self.temperature, self.time)
+        key = np.column_stack([each for each in given if each is not None])
+        group = np.unique(key, axis=0, return_inverse=True)[1].ravel()
+        for i in np.unique(group):
             yield np.flatnonzero(group == i)
 
 
@@ -859,13 +860,17 @@ def _packed(
 
 
 def _too_much(scene: _FilmScene, solved: list[_Solved]) -> tuple[Doubt, ...]:
-    """Where the dry contact presses harder than the modulus of a half-space on which it
-    would be as wide.
+    """Where the dry contact is deeper than it is wide, or presses harder than the modulus
+    of a half-space on which it would be as wide.
     """
     half = np.array([each.half for each in solved])
+    depth = np.square(half) / (2 * float(scene.shape.radius))
+    deep = doubt_depth(scene.material, scene.shape, depth.reshape(scene.dims))
     pressure = 2 * scene.load / (np.pi * half * float(scene.shape.length))
     modulus = 2 * pressure * float(scene.shape.radius) / half
-    return pressed_too_hard(pressure.reshape(scene.dims), modulus.reshape(scene.dims))
+    return *deep, *pressed_too_hard(
+        pressure.reshape(scene.dims), modulus.reshape(scene.dims)
+    )
 
 
 def _beyond(scene: _FilmScene, solved: list[_Solved]) -> tuple[Doubt, ...]:

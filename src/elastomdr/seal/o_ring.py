@@ -36,7 +36,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 
 from ..arrays import is_traced, numpy_unless_traced, stop_gradient, xp
-from ..call.extrapolation import held_beyond
+from ..call.extrapolation import held_beyond, pressed_too_hard
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
@@ -297,6 +297,10 @@ def o_ring(
     ends = [_load_and_width(given, young, plane, name)[0] for name in ("held", "free")]
     pressure = load / width
     factor, _ = thermal_factors(solid, given.temperature)
+    sealing = _sealing_pressure(given, pressure, young / plane)
+    too_hard = ()
+    if sealing is not None:
+        too_hard = pressed_too_hard(xp.broadcast_to(sealing, shape), plane)
     fields = broadcast(
         {
             "diameter": given.diameter,
@@ -309,14 +313,17 @@ def o_ring(
             "error": 0.0,
             "model_error": xp.maximum(*(xp.abs(end - load) for end in ends)),
             "fluid_pressure": given.fluid_pressure,
-            "sealing_pressure": _sealing_pressure(given, pressure, young / plane),
+            "sealing_pressure": sealing,
             "fill": _fill(given),
             "converged": True,
         }
     )
     return ORing(
         **fields,
-        marks=held_beyond(solid.range, given.time, given.temperature, factor, shape),
+        marks=(
+            *held_beyond(solid.range, given.time, given.temperature, factor, shape),
+            *too_hard,
+        ),
         model=FORMULAS[formula],
         plan="closed form",
         inputs=(*material_in_words(solid), *given_in_words(given, _UNITS)),

@@ -87,11 +87,9 @@ def _read(path: Path) -> tuple[Array, Array]:
     if separator != ",":  # a comma is then one of decimals
         lines = [line.replace(",", ".") for line in lines]
     try:
-        numbers = np.array(
-            [[float(cell) for cell in line.split(separator)] for line in lines]
-        )
+        numbers = np.loadtxt(lines or ["nan"], delimiter=separator, ndmin=2)
     except ValueError as error:
         raise InputError(f"profile {path} must hold numbers: {error}.") from None
-    if numbers.ndim != 2 or numbers.shape[1] != 2:
+    if numbers.shape[1] != 2:
         raise InputError(f"profile {path} must have two columns.")
     return numbers[:, 0] * _LENGTHS[units[0]], numbers[:, 1] * _PRESSURES[units[1]]

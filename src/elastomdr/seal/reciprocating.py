@@ -43,7 +43,7 @@ from ..checks import (
     positive_arrays,
     scalar,
 )
-from ..errors import InputError, ModelWarning, warn, warned_once
+from ..errors import InputError, ModelWarning, quiet, warn, warned_once
 from ..material.prony import Prony
 from ..material.shift import thermal_factors
 from ..results.base import Array, Result, quantity, record
@@ -421,22 +421,25 @@ def _under_ring(
     soft = compliance(bodies_of(material)[0], held) / vertical
     half = 0.5 * float(np.ravel(ring.width)[0])
     load = 2 * half * pressure
-    film_of_ring = lubricated(
-        material,
-        Cylinder(np.pi * half**2 / (4 * load * soft), 1.0),
-        velocity=velocity,
-        viscosity=viscosity,
-        load=load,
-        temperature=temperature,
-        time=time,
-    )
+    with quiet(ModelWarning):  # of the cylinder: what is known of the ring is its own
+        film_of_ring = lubricated(
+            material,
+            Cylinder(np.pi * half**2 / (4 * load * soft), 1.0),
+            velocity=velocity,
+            viscosity=viscosity,
+            load=load,
+            temperature=temperature,
+            time=time,
+        )
+    marks = [mark for mark in film_of_ring.marks if mark.kind != "estimate"]
+    marks += carried(ring.marks, lambda points: np.resize(points, velocity.shape))
     film = np.asarray(film_of_ring.flow / velocity)
     remarks = tuple(line for line in film_of_ring.inputs if line[0] == "material")
     return _Carried(
         film,
         np.asarray(film_of_ring.mu * load),
         np.asarray(film_of_ring.error / film_of_ring.mu * film),
-        tuple(film_of_ring.marks),
+        tuple(marks),
         remarks,
     )
 
