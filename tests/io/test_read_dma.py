@@ -749,7 +749,15 @@ def test_vertical_factors_beside_shift_factors(tmp_path, capsys):
         np.testing.assert_allclose(kept.b(celsius + 273.15), b)
         # the command takes both from the file
         out = tmp_path / "out"
-        command = ["fit", data, "--reference", "20degC", "--shift", factors]
+        command = [
+            "fit",
+            data,
+            "--reference",
+            "20degC",
+            "--verbose",
+            "--shift",
+            factors,
+        ]
         assert main([*map(str, command), "--kind", "shear", "--out", str(out)]) == 0
         said = capsys.readouterr().out
         assert mentions(said, 30, "material")
@@ -776,6 +784,40 @@ def test_no_column_beside_shift_factors_is_lost(tmp_path, title):
     assert ("log10 b_T from 0.0000 to 0.1139" in said) is (title in TITLED)
     assert "note" not in said
     np.testing.assert_allclose(shift.log10_a_table, np.log10([1e5, 30, 1]))
+
+
+@pytest.mark.parametrize(
+    "title",
+    [
+        "ln aT,11.5,3.4,0",
+        "aT std,9,3,2",
+        "no,1,2,3",
+        "T_ref,20,20,20",
+        "T [K],253.15,273.15,293.15",
+    ],
+)
+def test_what_cannot_be_vertical_factors_is_not_taken_for_them(tmp_path, title):
+    title, *numbers = title.split(",")
+    rows = zip((-20, 0, 20), (1e5, 30, 1), numbers, strict=True)
+    body = "\n".join(f"{t},{a:g},{x}" for t, a, x in rows)
+    (tmp_path / "shifts.csv").write_text(f"T [C],aT,{title}\n{body}")
+    shift = em.read_shifts(tmp_path / "shifts.csv")
+    np.testing.assert_allclose(shift.log10_a_table, np.log10([1e5, 30, 1]))
+
+
+@pytest.mark.parametrize("title", ["log aT WLF", "aT fit", "a_T (smoothed)"])
+def test_a_second_shift_that_differs_is_refused(tmp_path, title):
+    file, logs = tmp_path / "shifts.csv", np.array([4.6, 1.3, 0.0])
+    second = logs if "log" in title else 10**logs
+    rows = zip((-20, 0, 20), (1e5, 30, 1), second, strict=True)
+    file.write_text(
+        f"T [C],aT,{title}\n" + "\n".join(f"{t},{a:g},{x}" for t, a, x in rows)
+    )
+    with refused("", "2 'aT'", f"3 {title!r}", "differ"):
+        em.read_shifts(file)
+    named = f"log10({title})" if "log" in title else title
+    by_user = em.read_shifts(file, columns={"shift": named})
+    np.testing.assert_allclose(by_user.log10_a_table, logs)
 
 
 def test_a_unit_of_levels_beside_moduli_is_passed_over(tmp_path):

@@ -480,17 +480,6 @@ class ColumnsRead(NamedTuple):
     values: dict[str, np.ndarray]  # of the good rows, by role [SI]
     bad: list[str]  # what is wrong with the others
 
-    @property
-    def passed_over(self) -> list[str]:
-        """The columns of numbers that are not read, in words."""
-        places = {column.place for column in self.chosen.values()}
-        return [
-            head.words
-            for head in self.table.heads
-            if head.place not in places
-            and np.isfinite(self.table.column(head.place)).any()
-        ]
-
 
 def read_columns(
     path: str | os.PathLike[str],

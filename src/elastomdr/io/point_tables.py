@@ -10,7 +10,14 @@ import numpy as np
 from ..checks import in_kelvin, in_si, plain
 from ..errors import InputError, warn
 from ..material.shift import ShiftTable, VerticalTable
-from .columns import ColumnKind, ColumnsRead, checked_units, left_out, read_columns
+from .columns import (
+    ColumnKind,
+    ColumnsRead,
+    checked_units,
+    left_out,
+    read_columns,
+    understand,
+)
 from .data import COLDEST, FitWarning, MeasuredFriction
 
 _TEMPERATURE = ColumnKind(
@@ -60,7 +67,12 @@ _VERTICAL = 1e-3  # of log10 b_T, below which moduli are not shifted
 _SHIFTS = (
     _TEMPERATURE,
     ColumnKind(
-        "shift", "ratio", (r"a(_?t|\(t\))?|shift ?factors?|verschiebungsfaktor(en)?",)
+        "shift",
+        "ratio",
+        (
+            r"a(_?t|\(t\))?|(?!.*(std|err|dev|\+))a(_?t|\(t\)) .+|shift ?factors?|"
+            r"verschiebungsfaktor(en)?",
+        ),
     ),
     ColumnKind(
         "vertical",
@@ -168,8 +180,7 @@ def read_shifts(
 
     Returns:
         The list as a law; between its temperatures it is interpolated. Vertical factors
-        b_T beside it, and columns that are not understood, are passed over, with a
-        warning.
+        b_T beside it, and columns that may hold them, are passed over, with a warning.
 
     Raises:
         InputError: for what cannot be read, and units that nobody gives.
@@ -184,12 +195,17 @@ def read_shifts(
             f"shift law. Give it to {remedy}.",
             FitWarning,
         )
-    if rest := read.passed_over:
-        warn(
-            f"{read.table.name}: {', '.join(rest)} passed over: where it is b_T, title it so "
-            f"or give it to {remedy}.",
-            FitWarning,
-        )
+    reference = abs(np.log(read.values["shift"])).argmin()
+    for head in read.table.heads:
+        if understand(head, _SHIFTS):
+            continue
+        factor = read.table.column(head.place)  # b_T is 1 where a_T is
+        if abs(factor[reference] - 1) < _VERTICAL and 0 < min(factor) < max(factor) < 9:
+            warn(
+                f"{read.table.name}: column {head.words} is passed over: where it is "
+                f"b_T, title it so or give it to {remedy}.",
+                FitWarning,
+            )
     return shift
 
 
