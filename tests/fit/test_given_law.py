@@ -150,7 +150,7 @@ def test_the_command_line(tmp_path, monkeypatch, capsys):
     assert main(base) == 2
     assert "--shift universal" in capsys.readouterr().err
     for law in ("factors.csv", "universal"):
-        assert main([*base, "--shift", law]) == 0
+        assert main([*base, "--shift", law, "--verbose"]) == 0
         assert "shift factors" in capsys.readouterr().out
     for wrong, said in (
         ("WLF(1, 2)", "WLF(8.9, 101.6, 20degC)"),
