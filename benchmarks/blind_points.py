@@ -3,11 +3,13 @@ solved in three dimensions, and only then computed.
 
     python benchmarks/blind_points.py --seed 1
     python benchmarks/blind_points.py --seed 2 --count 60 --largest 1024
+    python benchmarks/blind_points.py --again      # those of the record, by another form
 
 The scenes are those of `rough_truth.py --cells`: number i of a seed lies in the cell i of
 (slope of the loss at q_high) x (real contact). Nothing is fitted and no point left out:
 one that did not settle, or moved by more than a tenth from a grid half as fine, is
-counted. What is found for a seed replaces what the record had for it.
+counted. What is found for a seed replaces what the record had for it; by --again a form
+that was changed since is judged by the same solutions, which it has then seen.
 """
 
 import argparse
@@ -40,14 +42,23 @@ TITLES = (
     "mu/mu_3D",
     "bound",
     "unsure",
+    "mu_3D/full",
+    "number",
 )
 
 
-def judged(point: dict[str, Any]) -> tuple:
+def scene_of(seed: int, number: int, largest: int) -> tuple[Any, np.random.Generator]:
+    rng = np.random.default_rng([seed, number, 1])  # no scene of the record
+    return draw_in_cell(rng, number, largest, light=False), rng
+
+
+def judged(
+    point: dict[str, Any], number: int, contact: float, quotient: float, unsure: float
+) -> tuple:
     """A row of TITLES: the point by the model, over its solution."""
     kind, *numbers = point["surface"]
     surface = surface_of(kind, tuple(numbers), point["ratio"])
-    body, (quotient, unsure) = rubber(point["material"]), truth(point["mu"])
+    body = rubber(point["material"])
     at = {"velocity": point["velocity"], "pressure": point["pressure"]}
     full = full_contact(
         body.complex_modulus, surface, *(np.array([x]) for x in at.values())
@@ -58,26 +69,42 @@ def judged(point: dict[str, Any]) -> tuple:
         point["ratio"],
         point["material"],
         slope_of_loss(body, surface, point["velocity"]),
-        truth(point["area"])[0],
+        contact,
         float(curve.mu) / (quotient * float(full[0])),
         float(curve.model_error) / float(curve.mu),
         unsure,
+        quotient,
+        number,
     )
 
 
-def main() -> None:
-    options = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
-    options.add_argument("--seed", type=int, required=True)
-    options.add_argument("--count", type=int, default=30, help="scenes that are drawn")
-    options.add_argument(
-        "--largest", type=int, default=384, help="cells to a side of the largest grid"
-    )
-    options.add_argument("--patience", type=float, default=60.0)
-    asked = options.parse_args()
+def summed(rows: list[tuple]) -> dict[str, Any]:
+    """What stands for a seed in the record, of its rows."""
+    off, bound = np.transpose([(np.log(row[5]), np.log1p(row[6])) for row in rows])
+    return {
+        "judged": len(rows),
+        "rms": float(np.sqrt(np.mean(off**2))),
+        "worst": float(np.abs(off).max()),
+        "within the bound": float(np.mean(np.abs(off) <= bound)),
+        "points": table(TITLES, rows),
+    }
+
+
+def judged_again(seed: int, found: dict[str, Any]) -> dict[str, Any]:
+    """The record of a seed by the form of today."""
+    rows = []
+    for point in found["points"]:
+        scene, _ = scene_of(seed, point["number"], found["largest"])
+        known = (point[name] for name in ("number", "contact", "mu_3D/full", "unsure"))
+        rows.append(judged(scene, *known))
+    return found | summed(rows)
+
+
+def solved(asked: argparse.Namespace) -> dict[str, Any]:
+    """The record of a seed: drawn, solved, and then computed."""
     rows, left = [], {"too large": 0, "did not settle": 0, "moved": 0}
     for i in range(asked.count):
-        rng = np.random.default_rng([asked.seed, i, 1])  # no scene of the record
-        scene = draw_in_cell(rng, i, asked.largest, light=False)
+        scene, rng = scene_of(asked.seed, i, asked.largest)
         if scene is None:
             left["too large"] += 1
             continue
@@ -87,22 +114,32 @@ def main() -> None:
         elif moved(point["mu"]) > MOVED:
             left["moved"] += 1
         else:
-            rows.append(judged(point))
+            known = truth(point["area"])[0], *truth(point["mu"])
+            rows.append(judged(point, i, *known))
             print(i, *rows[-1], flush=True)
+    drawn = {"drawn": asked.count, "largest": asked.largest}
+    return drawn | left | summed(rows)
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
+    which = options.add_mutually_exclusive_group(required=True)
+    which.add_argument("--seed", type=int)
+    which.add_argument("--again", action="store_true", help="judge the record anew")
+    options.add_argument("--count", type=int, default=30, help="scenes that are drawn")
+    options.add_argument(
+        "--largest", type=int, default=384, help="cells to a side of the largest grid"
+    )
+    options.add_argument("--patience", type=float, default=60.0)
+    asked = options.parse_args()
     record = json.loads(FILE.read_text()) if FILE.exists() else {}
     seeds = record.get("seeds", {})
-    off, bound = (np.array([row[i] for row in rows]) for i in (5, 6))
-    seeds[str(asked.seed)] = {
-        "drawn": asked.count,
-        "largest": asked.largest,
-        **left,
-        "judged": len(rows),
-        "rms": float(np.sqrt(np.mean(np.log(off) ** 2))),
-        "worst": float(np.max(np.abs(np.log(off)))),
-        "within the bound": float(np.mean(np.abs(np.log(off)) <= np.log1p(bound))),
-        "points": table(TITLES, rows),
-    }
-    print({name: x for name, x in seeds[str(asked.seed)].items() if name != "points"})
+    if asked.again:
+        seeds = {seed: judged_again(int(seed), found) for seed, found in seeds.items()}
+    else:
+        seeds[str(asked.seed)] = solved(asked)
+    for seed, found in seeds.items():
+        print(seed, {name: x for name, x in found.items() if name != "points"})
     head = heading(
         "Points that no fit has seen", "by python benchmarks/blind_points.py"
     )

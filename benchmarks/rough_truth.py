@@ -41,6 +41,7 @@ import elastomdr as em
 from elastomdr.rough import half_space, multiscale
 from elastomdr.rough import random_maps as maps
 from elastomdr.rough.psd_integrals import direct
+from elastomdr.rough.road_model import RoadProblem
 from elastomdr.surface.spectrum import rough_map
 
 FILE = RESULTS / "rough_truth.json"
@@ -259,9 +260,8 @@ def pressure_for(
     for _ in range(20):
         middle = 0.5 * (low + high)
         at = np.array([velocity]), np.exp([middle])
-        persson = multiscale.solve(
-            material.complex_modulus, surface, *at, em.Persson(), 1e-2
-        )
+        problem = RoadProblem(material, surface, *at, rtol=1e-2)
+        persson = multiscale.solve(em.Persson(), problem)
         low, high = (middle, high) if persson.area[0] < area else (low, middle)
     return float(np.exp(middle))
 

@@ -42,9 +42,9 @@ def illustrative():
 
 
 def wide_bound():
-    """Beyond the peak of a single relaxation."""
+    """Beyond the peak of a single relaxation, by Persson's theory."""
     steep = em.Prony(1e6, [1e9], [1e-3])
-    return em.friction(steep, ROAD, velocity=V, pressure=1e5)
+    return em.friction(steep, ROAD, velocity=V, pressure=1e5, model=em.Persson())
 
 
 def several_states():

@@ -56,11 +56,11 @@ def test_on_a_surface_friction_is_hysteresis_and_the_shear_of_the_real_contact(m
     assert both.mu == pytest.approx(both.hysteresis + both.adhesion, rel=1e-15)
     assert both.friction_force == pytest.approx(both.mu * 1e5, rel=1e-14)
     assert bare.hysteresis is None
-    # What the area may be off, by the rule of docs/theory.md; cutoffs are a factor of
-    # 30 apart, as in three dimensions.
+    # What the area may be off, by the rule of docs/theory.md; cutoffs are no further
+    # apart than in three dimensions.
     a, b, _ = _AREA_BOUND
-    off = a - b * np.log(bare.area_ratio)
-    off = np.expm1(np.sqrt(1 - bare.area_ratio) * off)
+    off = (a - b * np.log(bare.area_ratio)) * (1 - bare.area_ratio) ** 0.25
+    off = np.expm1(off * (ROAD.q_high / ROAD.q_low / 8) ** -0.1)
     bound = np.where(shear > 1, np.nan, bare.model_error + shear * off)
     assert both.model_error == pytest.approx(bound, rel=1e-10, nan_ok=True)
     assert np.all(both.error >= bare.error)
