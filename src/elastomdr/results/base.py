@@ -518,25 +518,30 @@ class Result:
         they are, what they rest on, and how many points each kind of doubt is about.
         """
         one = self.typical() if self.drawn else self
-        shown = one.told()
-        about = next(q for q in one.quantities() if q.path == shown)
-        values = np.ravel(one._value(about))
-        known = np.flatnonzero(np.isfinite(values))
-        top = least = 0
-        if known.size:
-            inside = values[known]
-            top, least = int(known[inside.argmax()]), int(known[inside.argmin()])
-            kind, end = one._top(top)
-            said = f"{about.label} {one._point(about, top)}{end}"
-            if values[least] < values[top]:
-                said += f"; smallest {one._point(about, least)}"
-            yield kind, said
+        kind, said, top = one.extremes(np.arange(np.size(one.converged)))
+        yield kind, said
+        if top is not None:
             spread = next(self._spread())[1] if self.drawn else one._sure(top)
             yield "how sure", "95 % of the draws: " * self.drawn + spread
-        else:
-            yield "largest", f"none of the {self.each} converged"
-        yield "rests on", "; ".join(filter(None, one._rests_on(top)))
+        yield "rests on", "; ".join(filter(None, one._rests_on(top or 0)))
         yield "doubts", counted_kinds(self.doubts) or "none"
+
+    def extremes(self, points: np.ndarray) -> tuple[str, str, int | None]:
+        """Whether the largest value of these points is a peak, the largest and the
+        smallest in words, and which point the largest is; None where none converged.
+        """
+        shown = self.told()
+        about = next(q for q in self.quantities() if q.path == shown)
+        values = np.ravel(self._value(about))[points]
+        points, values = points[np.isfinite(values)], values[np.isfinite(values)]
+        if not points.size:
+            return "largest", f"none of the {self.each} converged", None
+        top, least = int(points[values.argmax()]), int(points[values.argmin()])
+        kind, end = self._top(top)
+        said = f"{about.label} {self._point(about, top)}{end}"
+        if values.min() < values.max():
+            said += f"; smallest {self._point(about, least)}"
+        return kind, said, top
 
     def _top(self, i: int) -> tuple[str, str]:
         """Whether a largest value is a peak along its curve, and else at which end."""
@@ -562,8 +567,11 @@ class Result:
             for axis, j in zip(self.axes(), np.unravel_index(i, shape), strict=True)
             if axis.values.size > 1
         )
-        return f"{number}{unit.join((' ', '')) if unit != '-' else ''}" + (
-            f" at {where}" if where else ""
+        said = number if unit == "-" else f"{number} {unit}"
+        some = (doubt for doubt in self.doubts if not np.all(doubt.points))
+        kinds = kinds_of_points(some, shape).ravel()[i]
+        return (
+            said + (f" at {where}" if where else "") + (f" ({kinds})" if kinds else "")
         )
 
     def _sure(self, i: int) -> str:

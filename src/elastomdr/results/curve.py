@@ -110,7 +110,6 @@ class AbstractCurve(Result):
 
     shows: ClassVar[str] = "mu"
     scale: ClassVar[str] = "log"
-    symbol: ClassVar[str] = "mu"  # of the coefficient in a sentence
     error_of: ClassVar[str] = "mu"
 
     @in_si
@@ -148,31 +147,25 @@ class AbstractCurve(Result):
         )
 
     def outcome(self) -> Iterator[tuple[str, str]]:
-        """Largest coefficient and where, both ends, and the largest bound on the
-        model's error.
+        """Of each curve the largest and the smallest coefficient and where, and the
+        largest bound on the model's error.
         """
-        fields = {q.key: value for q, value in self.fields().items()}
-        axis, every = self.curves()
-        name, key = "velocity", "velocity"
-        if axis.quantity is not None:
-            name, key = axis.name, axis.quantity.key
-        shape = fields["error"].shape
-        some = [doubt for doubt in self.doubts if not np.all(doubt.points)]
-        of_points = fields[key], fields[self.shows], kinds_of_points(some, shape)
+        every = self.curves()[1]
+        shape = np.shape(self.converged)
+        points = np.arange(np.size(self.converged)).reshape(shape)
         for curve in every[:_LISTED]:
-            yield (
-                "at " + curve.label if curve.label else "result",
-                self._extremes(
-                    name, *(np.atleast_1d(each[curve.place]) for each in of_points)
-                ),
-            )
+            kind, said, _ = self.extremes(np.ravel(points[curve.place]))
+            yield "at " + curve.label if curve.label else "result", f"{kind} {said}"
         if len(every) > _LISTED:
             yield "...", f"and {len(every) - _LISTED} more curves"
-        bound = fields.get("model_error", np.zeros(0))
-        known = np.isfinite(bound)
-        if known.any():
-            words = self._model_error(bound[known], fields[self.shows][known])
-            yield "model error", words
+        bound = np.ravel(np.nan if self.model_error is None else self.model_error)
+        if np.isfinite(bound).any():
+            share = bound / np.abs(np.ravel(self._shown()))
+            most = significant(100 * float(np.nanmax(share)), 2)
+            yield (
+                "model error",
+                f"at most {most} % of the coefficient where it is known",
+            )
 
     def _sure(self, i: int) -> str:
         """The band at a point, and what it consists of."""
@@ -190,50 +183,6 @@ class AbstractCurve(Result):
 
     def _shown(self) -> Array:
         return getattr(self, self.shows)
-
-    def _model_error(self, bound: np.ndarray, value: np.ndarray) -> str:
-        worst = int(np.nanargmax(bound))
-        if bound[worst] == 0:
-            return "none, the model is exact by definition"
-        share = significant(100 * float(bound[worst] / value[worst]), 2)
-        whose = (
-            "that of a layer of this thickness"
-            if "springs" in self.model
-            else "that of the three-dimensional half-space"
-        )
-        return (
-            f"{self.symbol} differs from {whose} by at most "
-            f"{significant(float(bound[worst]), 2)} ({share} %)"
-        )
-
-    def _extremes(
-        self, along: str, x: np.ndarray, value: np.ndarray, kinds: np.ndarray
-    ) -> str:
-        """The largest value and those at both ends, where along a curve, and by the
-        kinds of doubts there that not all points have.
-        """
-        order = np.argsort(x, kind="stable")
-        order = order[np.isfinite(value[order])]
-        if not order.size:
-            return "no point converged"
-        x, value, kinds = x[order], value[order], kinds[order]
-
-        def point(i: int) -> str:
-            mark = f" ({kinds[i]})" if kinds[i] else ""
-            return f"{significant(value[i])} at {in_words(along, float(x[i]))}{mark}"
-
-        top, last = int(value.argmax()), value.size - 1
-        if np.ptp(x) == 0:
-            ends = map(point, (int(value.argmin()), top))
-            return f"{self.symbol} = " + " to ".join(dict.fromkeys(ends))
-        if 0 < top < last:
-            ends = f"ends: {point(0)}, {point(last)}"
-            return f"peak {self.symbol} = {point(top)}; {ends}"
-        end = "highest" if top == last else "lowest"
-        return (
-            f"largest {self.symbol} = {point(top)}, the {end} {along} computed; no peak "
-            f"inside the range; at the other end {point(last - top)}"
-        )
 
 
 @record
@@ -581,7 +530,6 @@ class RollingCurve(AbstractCurve):
 
     title: ClassVar[str] = "Rolling resistance"
     shows: ClassVar[str] = "coefficient"
-    symbol: ClassVar[str] = "coefficient"
     error_of: ClassVar[str] = "the coefficient"
 
 
