@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -48,16 +48,14 @@ class RoughSeal(NamedTuple):
         return SoftenedByScale(self.softening, self.surface, share)
 
 
-class Channels(NamedTuple):
+class Channels(ABC):
     """A model with its options, as a leak asks it."""
 
-    # the flow through the gaps at pressures over E*, (rows, points)
-    flow: Callable[[RoughSeal, Array], GapFlow]
-    # the real contact area over nominal area from which on nothing flows
-    closes: float
-    # pressures along a seal by which it is asked, 2^n + 1
-    nodes: int = 17
-    # whether it computes a flow in its direction to a lay
-    turns: bool = False
-    # whether it follows the softening of each length scale
-    softens: bool = True
+    closes: float  # the real contact area over nominal area from which on nothing flows
+    nodes: ClassVar[int] = 17  # pressures along a seal by which it is asked, 2^n + 1
+    turns: ClassVar[bool] = False  # whether it follows the flow's direction to a lay
+    softens: ClassVar[bool] = True  # and the softening of each length scale
+
+    @abstractmethod
+    def flow(self, rough: RoughSeal, relative_pressure: Array) -> GapFlow:
+        """The flow through the gaps at pressures over E*, (rows, points)."""

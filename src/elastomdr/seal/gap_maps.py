@@ -25,9 +25,10 @@ copy of the map.
 """
 
 import bisect
+import dataclasses
 import functools
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -39,7 +40,7 @@ from ..rough.random_maps import MapGrid, grid_of
 from ..surface.lay import lay_of
 from ..surface.spectrum import AbstractSpectrum, rough_map
 from ..surface.topography import skewness_of
-from .channels import GapFlow, RoughSeal
+from .channels import Channels, GapFlow, RoughSeal
 from .leak_form import of_heights, of_skewness
 
 _LEAST = -200.0  # log of w over the largest flow: below it a medium is closed
@@ -288,74 +289,82 @@ def narrowest(gap: Array) -> float:
     return float(np.mean(critical)) if critical else np.nan
 
 
-def leak(
-    cells: int | None,
-    periods: int | None,
-    seeds: tuple[int, ...],
-    rough: RoughSeal,
-    relative_pressure: Array,
-) -> GapFlow:
-    """The answers of `em.HalfSpace` at pressures over E*, (rows, points).
+@dataclasses.dataclass(frozen=True)
+class MappedChannels(Channels):
+    """Of `em.HalfSpace`, with its options."""
 
-    On a surface with a lay the maps lie in the `direction` of the flow, which is that
-    along their first axis; without one both axes are taken as one medium.
-    """
-    surface, softening, direction = rough
-    if is_traced(rough, relative_pressure):
-        raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
-    grid = grid_of(surface, cells, periods)
-    flat, shape = np.ravel(relative_pressure), relative_pressure.shape
-    turned = direction is not None and lay_of(surface) is not None
-    axes = 1 if turned else 2
-    flows, slips = np.full((2, len(seeds), axes, flat.size), np.nan)
-    gap, critical, area = (np.full((len(seeds), flat.size), np.nan) for _ in range(3))
-    for i, seed in enumerate(seeds):
-        heights, side = rough_map(
-            surface,
-            seed,
-            periods=grid.periods,
-            points=grid.cells,
-            direction=direction or 0.0,
+    cells: int | None
+    periods: int | None
+    seeds: tuple[int, ...]
+    closes = SHUT
+    nodes: ClassVar[int] = 5  # each is a contact in three dimensions
+    turns: ClassVar[bool] = True
+    softens: ClassVar[bool] = False
+
+    def flow(self, rough: RoughSeal, relative_pressure: Array) -> GapFlow:
+        """On a surface with a lay the maps lie in the `direction` of the flow, which is that
+        along their first axis; without one both axes are taken as one medium.
+        """
+        surface, softening, direction = rough
+        if is_traced(rough, relative_pressure):
+            raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
+        grid = grid_of(surface, self.cells, self.periods)
+        flat, shape = np.ravel(relative_pressure), relative_pressure.shape
+        turned = direction is not None and lay_of(surface) is not None
+        axes = 1 if turned else 2
+        flows, slips = np.full((2, len(self.seeds), axes, flat.size), np.nan)
+        gap, critical, area = (
+            np.full((len(self.seeds), flat.size), np.nan) for _ in range(3)
         )
-        start = None
-        for j in np.argsort(flat):
-            contact = pressed(heights, side, float(flat[j]), start)
-            start = contact.pressure if contact.settled else None
-            if contact.settled:
-                through = flow(contact.gap)
-                flows[i, :, j] = through.conductance[:axes]
-                slips[i, :, j] = through.slip[:axes]
-                gap[i, j], area[i, j] = contact.gap.mean(), contact.area
-                if j < shape[1]:  # of the first row
-                    critical[i, j] = narrowest(contact.gap)
-    good: Any = np.isfinite(flows).all((0, 1))
-    w = _of_maps(flows)
-    path = _SMALL * np.where(w > 0, w, 1.0) ** (1 / 3)
-    slip = (_of_maps(flows + path * slips) - w) / path
-    work = (
-        f"{len(seeds)} maps of {grid.cells} by {grid.cells} cells, {grid.periods} "
-        "longest waves to a side"
-    )
-    error = _scatter(flows) + _of_cells(area.mean(0), surface, grid)
-    error = np.where((w == 0) & (area.mean(0) > SHUT), 0.0, error)
-    of_surface = of_heights(surface, area.mean(0))
-    if turned:
-        of_surface = of_skewness(skewness_of(surface), area.mean(0))
-    if softening is not None:  # cells have one modulus
-        of_surface = np.full_like(w, np.nan)
-    return GapFlow(
-        flow=w.reshape(shape),
-        slip=slip.reshape(shape),
-        gap=gap.mean(0).reshape(shape),
-        critical_gap=_mean_of_open(critical)[: shape[1]],
-        area=area.mean(0).reshape(shape),
-        error=error.reshape(shape),
-        # maps are Gaussian, and a lay makes both axes differ
-        model_error=np.expm1(of_surface).reshape(shape) if of_surface.any() else None,
-        good=good.reshape(shape),
-        said="Reynolds' equation on gaps in three dimensions (no reduction)",
-        work=work,
-    )
+        for i, seed in enumerate(self.seeds):
+            heights, side = rough_map(
+                surface,
+                seed,
+                periods=grid.periods,
+                points=grid.cells,
+                direction=direction or 0.0,
+            )
+            start = None
+            for j in np.argsort(flat):
+                contact = pressed(heights, side, float(flat[j]), start)
+                start = contact.pressure if contact.settled else None
+                if contact.settled:
+                    through = flow(contact.gap)
+                    flows[i, :, j] = through.conductance[:axes]
+                    slips[i, :, j] = through.slip[:axes]
+                    gap[i, j], area[i, j] = contact.gap.mean(), contact.area
+                    if j < shape[1]:  # of the first row
+                        critical[i, j] = narrowest(contact.gap)
+        good: Any = np.isfinite(flows).all((0, 1))
+        w = _of_maps(flows)
+        path = _SMALL * np.where(w > 0, w, 1.0) ** (1 / 3)
+        slip = (_of_maps(flows + path * slips) - w) / path
+        work = (
+            f"{len(self.seeds)} maps of {grid.cells} by {grid.cells} cells, {grid.periods} "
+            "longest waves to a side"
+        )
+        error = _scatter(flows) + _of_cells(area.mean(0), surface, grid)
+        error = np.where((w == 0) & (area.mean(0) > SHUT), 0.0, error)
+        of_surface = of_heights(surface, area.mean(0))
+        if turned:
+            of_surface = of_skewness(skewness_of(surface), area.mean(0))
+        if softening is not None:  # cells have one modulus
+            of_surface = np.full_like(w, np.nan)
+        return GapFlow(
+            flow=w.reshape(shape),
+            slip=slip.reshape(shape),
+            gap=gap.mean(0).reshape(shape),
+            critical_gap=_mean_of_open(critical)[: shape[1]],
+            area=area.mean(0).reshape(shape),
+            error=error.reshape(shape),
+            # maps are Gaussian, and a lay makes both axes differ
+            model_error=np.expm1(of_surface).reshape(shape)
+            if of_surface.any()
+            else None,
+            good=good.reshape(shape),
+            said="Reynolds' equation on gaps in three dimensions (no reduction)",
+            work=work,
+        )
 
 
 def _of_maps(flows: np.ndarray) -> np.ndarray:

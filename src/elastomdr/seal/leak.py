@@ -48,10 +48,12 @@ from ..rough.road_models import HalfSpace, Multiscale
 from ..surface.lay import lay_of
 from ..surface.spectrum import as_spectrum
 from ..surface.topography import skewness_of
-from . import gap_maps, gas, leak_form
+from . import gas
 from .along import AlongSeal, Fluid, PressedSeal, SealFlow, Uneven, even, uneven
 from .channels import Channels, RoughSeal
+from .gap_maps import MappedChannels
 from .gas import LeakGiven, check_absolute, check_gas, fluid_of
+from .leak_form import FittedChannels
 from .leak_theories import CriticalConstriction, EffectiveMedium, LeakTheory
 from .o_ring import ORing, check_rubber
 from .pressure_profile import Profile, pressure_profile
@@ -269,21 +271,19 @@ KINDS: dict[str, type[Model]] = {
     kind.label: kind
     for kind in (Multiscale, CriticalConstriction, EffectiveMedium, HalfSpace)
 }
-_FEW = 5  # pressures along a seal where each is a contact in three dimensions
 
 
 def _of_maps(model: HalfSpace) -> Channels:
-    flow = partial(gap_maps.leak, model.cells, model.periods, seeds_of(model.seeds))
-    return Channels(flow, gap_maps.SHUT, _FEW, turns=True, softens=False)
+    return MappedChannels(model.cells, model.periods, seeds_of(model.seeds))
 
 
 def _of_theory(model: LeakTheory) -> Channels:
-    return Channels(model.leak, model.closes_at())
+    return model
 
 
 # of each kind of model, how it answers; a new one is added here
 _CHANNELS: dict[type[Model], Callable[[Any], Channels]] = {
-    Multiscale: lambda _: Channels(leak_form.leak, leak_form.FORM.closes),
+    Multiscale: lambda _: FittedChannels(),
     HalfSpace: _of_maps,
     CriticalConstriction: _of_theory,
     EffectiveMedium: _of_theory,

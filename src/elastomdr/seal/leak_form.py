@@ -28,7 +28,7 @@ from ..rough.surface import within_strain
 from ..surface.lay import lay_of
 from ..surface.spectrum import AbstractSpectrum
 from ..surface.topography import skewness_of
-from .channels import GapFlow, RoughSeal
+from .channels import Channels, GapFlow, RoughSeal
 from .persson_gap import GapPoints, contact_of, critical_gap, mean_gap
 
 if TYPE_CHECKING:
@@ -185,25 +185,29 @@ def bound(rough: RoughSeal, area: Array, of_strain: Array | float = 0.0) -> Any:
     )
 
 
-def leak(rough: RoughSeal, relative_pressure: Array) -> GapFlow:
-    """The answers at pressures over E*, (rows, points)."""
-    if is_traced(rough, relative_pressure):
-        shared, points = as_doubles((rough[:2], relative_pressure))
-        counts = cell_counts(known(stop_gradient(rough.surface)), _TRACED)
-        numbers = _with_slopes(counts, rough.direction)(shared, points)
-    else:
-        numbers = _numbers(rough, relative_pressure)
-    flow, gap, area, critical, error, model_error = numbers
-    return GapFlow(
-        flow=flow,
-        gap=gap,
-        critical_gap=critical,
-        area=area,
-        error=error,
-        model_error=model_error,
-        good=xp.isfinite(flow),
-        said=SAID,
-    )
+class FittedChannels(Channels):
+    """Of `em.Multiscale`."""
+
+    closes = FORM.closes
+
+    def flow(self, rough: RoughSeal, relative_pressure: Array) -> GapFlow:
+        if is_traced(rough, relative_pressure):
+            shared, points = as_doubles((rough[:2], relative_pressure))
+            counts = cell_counts(known(stop_gradient(rough.surface)), _TRACED)
+            numbers = _with_slopes(counts, rough.direction)(shared, points)
+        else:
+            numbers = _numbers(rough, relative_pressure)
+        flow, gap, area, critical, error, model_error = numbers
+        return GapFlow(
+            flow=flow,
+            gap=gap,
+            critical_gap=critical,
+            area=area,
+            error=error,
+            model_error=model_error,
+            good=xp.isfinite(flow),
+            said=SAID,
+        )
 
 
 def _numbers(rough: RoughSeal, relative_pressure: Array) -> tuple[Any, ...]:

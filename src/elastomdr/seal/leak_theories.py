@@ -13,7 +13,7 @@ Bruggeman's. Sources: B. N. J. Persson and C. Yang, J. Phys.: Condens. Matter 20
 from __future__ import annotations
 
 import dataclasses
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -23,7 +23,7 @@ from ..errors import InputError
 from ..models import Model
 from ..rough.psd_integrals import PER_DECADE, nodes
 from ..units.arguments import constructor_in_si
-from .channels import GapFlow, RoughSeal
+from .channels import Channels, GapFlow, RoughSeal
 from .gap_maps import effective_medium
 from .persson_gap import (
     CLOSES,
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from ..arrays import Array
 
 
-class LeakTheory(Model, ABC):
+class LeakTheory(Model, Channels):
     """A model of leaks alone, from the gaps on all scales."""
 
     @abstractmethod
@@ -46,21 +46,20 @@ class LeakTheory(Model, ABC):
         """The theory in a few words."""
 
     @abstractmethod
-    def closes_at(self) -> float:
-        """The real contact area over nominal area from which on nothing flows."""
-
-    @abstractmethod
-    def flow(self, contacts: GapPoints) -> Array:
+    def through(self, contacts: GapPoints) -> Array:
         """w [m^3] at each point."""
 
-    def leak(self, rough: RoughSeal, relative_pressure: Array) -> GapFlow:
+    def flow(self, rough: RoughSeal, relative_pressure: Array) -> GapFlow:
         surface, softened = rough.surface, rough.softened()
         if is_traced(rough, relative_pressure):
             raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
         fine, coarse = (nodes(surface, count) for count in (2 * PER_DECADE, PER_DECADE))
         flat, shape = np.ravel(relative_pressure), relative_pressure.shape
         contacts = contact_of(fine, flat, softened)
-        w, less = self.flow(contacts), self.flow(contact_of(coarse, flat, softened))
+        w, less = (
+            self.through(contacts),
+            self.through(contact_of(coarse, flat, softened)),
+        )
         with np.errstate(invalid="ignore", divide="ignore"):
             error = np.where(w > 0, np.abs(w - less) / w, 0.0)
         return GapFlow(
@@ -87,14 +86,12 @@ class CriticalConstriction(LeakTheory):
     """
 
     label: ClassVar[str] = "critical constriction"
+    closes = CLOSES
 
     def words(self) -> str:
         return "critical constriction (Persson)"
 
-    def closes_at(self) -> float:
-        return CLOSES
-
-    def flow(self, contacts: GapPoints) -> Array:
+    def through(self, contacts: GapPoints) -> Array:
         return np.where(contacts.area < CLOSES, critical_gap(contacts) ** 3, 0.0)
 
 
@@ -125,10 +122,7 @@ class EffectiveMedium(LeakTheory):
     def words(self) -> str:
         return f"effective medium (Persson), closed at {self.closes:.4g} of contact"
 
-    def closes_at(self) -> float:
-        return self.closes
-
-    def flow(self, contacts: GapPoints) -> Array:
+    def through(self, contacts: GapPoints) -> Array:
         each = zip(*scales(contacts), contacts.area, strict=True)
         return np.array([_medium(*one, closes=self.closes) for one in each])
 

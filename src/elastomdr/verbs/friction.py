@@ -233,9 +233,9 @@ def friction(
             tell,
             branch,
         )
-        solve = friction_by(road_model, rough)
+        curve = friction_by(rough, road_model)
         hint_at_line(model, shape, asked)
-        return _repeatable(solve(rough), rough, solve)
+        return _repeatable(curve, rough, partial(friction_by, model=road_model))
     only_rough(heat=heat, direction=direction, branch=branch)
     check_adhesion(adhesion, temperature)
     body: Any = shape  # anything else is refused there

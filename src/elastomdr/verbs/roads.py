@@ -5,7 +5,6 @@ friction by it is computed.
 from __future__ import annotations
 
 import dataclasses
-from functools import partial
 from typing import TYPE_CHECKING
 
 from ..call.model_choice import of_smooth
@@ -18,8 +17,6 @@ from ..rough.road_models import HalfSpace, Multiscale, Persson
 from ..surface.rough_line import RoughLine
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from .._types import ArrayLike
     from ..call.types import Surface
     from ..results.curve import FrictionCurve
@@ -124,18 +121,16 @@ def hint_at_line(model: Model | str | None, surface: Surface, asked: Asked) -> N
     )
 
 
-def friction_by(
-    model: Line | SurfaceModel, call: RoughCall
-) -> Callable[[RoughCall], FrictionCurve]:
-    """What computes `em.friction` of a rough line or surface. Raises `InputError`."""
+def friction_by(call: RoughCall, model: Line | SurfaceModel) -> FrictionCurve:
+    """`em.friction` of a rough line or surface. Raises `InputError`."""
     if isinstance(model, Line):
         from ..rough.line import rough_friction
 
         _refuse(model, call)
-        return partial(rough_friction, model=model)
+        return rough_friction(call, model)
     from ..rough.surface import surface_friction
 
-    return partial(surface_friction, model=model)
+    return surface_friction(call, model)
 
 
 def plan_by(model: Line | SurfaceModel, call: RoughCall) -> RoughPlan | SurfacePlan:
