@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.seal.roughness import pressed
 from elastomdr.surface.spectrum import rough_map
 
 TIMES = np.geomspace(1e-8, 10.0, 10)
@@ -93,6 +94,27 @@ def test_derivatives_and_jit_of_rubber_that_softens():
             assert value == pytest.approx(float(verb(1e5)), rel=1e-12)
             change = float(verb(1.001e5) - verb(0.999e5)) / 200
             assert float(slope) == pytest.approx(change, rel=1e-3)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_film_has_the_gaps_of_the_leak(kind):
+    """The load that asperities carry at a mean gap, up to contacts of 80 %."""
+    material, pressure = rubber(kind), np.geomspace(3e4, 3e5, 4)
+    gap = em.leak(
+        material,
+        ROAD,
+        pressure=pressure,
+        pressure_drop=1.0,
+        viscosity=1e-3,
+        length=1e-3,
+    ).mean_gap
+    shared = pressed(material, ROAD, "maps")
+    carried, slope = shared.pressure(np.asarray(gap), shared.modulus)
+    np.testing.assert_allclose(carried, pressure, rtol=1e-2)
+    ahead, behind = (
+        shared.pressure(gap * x, shared.modulus)[0] for x in (1.001, 0.999)
+    )
+    np.testing.assert_allclose(slope, (ahead - behind) / (0.002 * gap), rtol=1e-4)
 
 
 def doubted(result):

@@ -91,8 +91,8 @@ _DOUBTED = 0.01  # part of mu from which on a doubt about trapped liquid is said
 MOTIONS = {"rests": (0.0, 1.0), "passes": (1.0, 0.0), "rolls": (1.0, 1.0)}
 _MODEL = "Reynolds' equation and half-plane in plane strain, steady"
 _ROUGH = {
-    "maps": "; load shared with em.press, flow factor of em.leak",
-    "patir-cheng": "; load shared with em.press, flow factor of Patir and Cheng",
+    "maps": "; load shared by the gaps of em.leak, and its flow factor",
+    "patir-cheng": "; load shared by the gaps of em.leak, flow factor of Patir and Cheng",
 }
 # of a solved film, in the order of `_numbers`
 _NUMBERS = (

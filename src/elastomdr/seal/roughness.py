@@ -1,7 +1,7 @@
 """What the roughness of the counterface adds to a film: pressure, flow, friction.
 
-The pressure is shared, p = p_fluid + p_a(u): p_a is the pressure at which `em.press`
-finds the mean gap u. Rubber that the roughness excites while it slides is stiffer than
+The pressure is shared, p = p_fluid + p_a(u): p_a is the pressure at which `em.leak` has
+the mean gap u (`leak_form.py`). Rubber that the roughness excites while it slides is stiffer than
 at rest: by the ratio of the areas that `em.Multiscale` has in real contact at rest and
 at the velocity, both under a small pressure.
 
@@ -30,10 +30,11 @@ from ..element.layer import Layer
 from ..errors import quiet
 from ..material.prony import Prony
 from ..material.shift import thermal_factors
-from ..rough.psd_integrals import PER_DECADE, nodes
+from ..rough.psd_integrals import nodes
 from ..surface.spectrum import AbstractSpectrum
-from .leak_form import UNSURE, barely_touching, through
-from .persson_gap import contact_of
+from .channels import RoughSeal
+from .leak_form import UNSURE, barely_touching, gap_of, through
+from .persson_gap import contact_of, mean_gap
 
 if TYPE_CHECKING:
     from ..call.types import Material
@@ -147,21 +148,19 @@ def half_space_of(material: Material) -> Any:
 def pressed(
     material: Material, surface: AbstractSpectrum, flow_factor: FlowFactor
 ) -> Roughness:
-    """The curve of `em.press` at rest, and the flow through the gaps."""
-    from ..rough.press import press
-
+    """The gaps of `em.leak` under pressures on relaxed rubber, and the flow through
+    them.
+    """
     foundation = as_foundation(half_space_of(material))
-    modulus = float(foundation.equilibrium)
-    pressure = _LEVELS * modulus * float(surface.rms_slope)
-    with quiet():
-        contact = press(foundation, surface, pressure=pressure)
-    rms = float(np.sqrt(2 * np.pi * surface.moment(1)))
-    gap = np.asarray(contact.separation)
-    open_ = np.isfinite(gap) & (gap > _CLOSED * rms)
-    gap, log_pressure = gap[open_][::-1], np.log(pressure[open_][::-1] / modulus)
+    modulus, softening = float(foundation.equilibrium), foundation.softening
+    softened, cells = RoughSeal(surface, softening).softened(), nodes(surface)
+    rms, level = float(surface.rms_height), _LEVELS * float(surface.rms_slope)
+    gap = rms * gap_of(mean_gap(contact_of(cells, level, softened)) / rms)
+    open_ = gap > _CLOSED * rms
+    gap, log_pressure = gap[open_][::-1], np.log(level[open_][::-1])
     curve, last = PchipInterpolator(gap, log_pressure), (gap[0], gap[-1])
     gap = np.geomspace(*last, _GAPS)
-    contacts = contact_of(nodes(surface, PER_DECADE), np.exp(curve(gap)))
+    contacts = contact_of(cells, np.exp(curve(gap)), softened)
     closes = float(np.interp(-UNSURE, -contacts.area, gap))  # area falls with the gap
     channels = opening = None
     if flow_factor == "maps":
