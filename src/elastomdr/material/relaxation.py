@@ -233,14 +233,14 @@ def scaled(law: Relaxation, factor: Array | float) -> Relaxation:
 @numpy_unless_traced
 def parallel(first: Relaxation, second: Relaxation) -> Relaxation:
     """The sum of two relaxation functions, with times in ascending order."""
-    moduli = xp.concatenate([xp.asarray(first.moduli), xp.asarray(second.moduli)])
-    times = xp.concatenate([xp.asarray(first.times), xp.asarray(second.times)])
+    moduli = xp.concatenate([first.moduli, second.moduli])
+    times = xp.concatenate([first.times, second.times])
     order = xp.argsort(times)
     return Relaxation(
-        xp.asarray(first.equilibrium + second.equilibrium),
+        first.equilibrium + second.equilibrium,
         xp.take(moduli, order),
         times[order],
-        xp.asarray(first.viscosity + second.viscosity),
+        first.viscosity + second.viscosity,
     )
 
 
@@ -263,45 +263,46 @@ def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
     the times lie together.
     """
     with_dashpot = possible(lambda eta: eta > 0, law.viscosity)
-    times, moduli = xp.asarray(law.times), xp.asarray(law.moduli)
-    weights = moduli * times
-    if with_dashpot:
-        times = xp.concatenate([xp.zeros(1), times])
-        weights = xp.concatenate([xp.asarray(law.viscosity)[None], weights])
-    equilibrium = xp.asarray(law.equilibrium)
-    total_viscosity = xp.asarray(law.viscosity) + xp.sum(moduli * xp.asarray(law.times))
-    glassy = equilibrium + xp.sum(moduli)
-    instantaneous = xp.where(
-        xp.asarray(law.viscosity) > 0, 0.0, 1 / xp.where(glassy > 0, glassy, 1.0)
+    equilibrium, moduli, times, viscosity = (
+        law.equilibrium,
+        law.moduli,
+        law.times,
+        law.viscosity,
     )
+    weights = moduli * times
+    total_viscosity = viscosity + xp.sum(weights)
+    if with_dashpot:
+        times = xp.append(0.0, times)
+        weights = xp.append(viscosity, weights)
+    glassy = equilibrium + xp.sum(moduli)
+    instantaneous = xp.where(viscosity > 0, 0.0, 1 / xp.where(glassy > 0, glassy, 1.0))
     liquid = equilibrium == 0
     fluidity = xp.where(
         liquid, 1 / xp.where(liquid & (total_viscosity > 0), total_viscosity, 1.0), 0.0
     )
-    poles, strengths, present = _without_empty(times, weights)
+    kept = _visible(weights > 0)  # between empty branches there would be no root
+    poles, strengths = times[kept], weights[kept]
     if poles.shape[0] == 0:
         return KelvinChain(instantaneous, strengths, poles, fluidity), xp.zeros(
             (0, moduli.shape[0])
         )
-    roots, slope, near = _roots(poles, strengths, equilibrium)
-    has_root = xp.isfinite(roots) & present
+    roots, slope, near = secular_roots(poles, strengths, equilibrium)
+    has_root = xp.isfinite(roots) & (strengths > 0)
     compliances = xp.where(has_root, 1 / (xp.where(has_root, roots, 1.0) * slope), 0.0)
-    order = xp.argsort(xp.where(has_root, roots, xp.inf))
     roots = xp.where(has_root, roots, xp.maximum(2 * poles[-1], 1.0))
     near = near[:, 1:] if with_dashpot else near
-    kept = slice(None) if is_traced(weights) else np.flatnonzero(np.asarray(moduli) > 0)
-    gaps = roots[:, None] - xp.asarray(law.times)
+    kept = _visible(moduli > 0)
+    gaps = roots[:, None] - law.times
     closer = xp.where(has_root[:, None], near, gaps[:, kept])
     if isinstance(gaps, np.ndarray):
         gaps[:, kept] = closer
     else:
         gaps = gaps.at[:, kept].set(closer)
     # drop what is not there: the flow of a liquid, an empty branch
-    if not is_traced(has_root):
-        order = order[: int(has_root.sum())]
-    return KelvinChain(instantaneous, compliances[order], roots[order], fluidity), gaps[
-        order
-    ]
+    kept = _visible(has_root)
+    order = xp.argsort(xp.where(has_root, roots, xp.inf)[kept])
+    compliances, roots, gaps = (x[kept][order] for x in (compliances, roots, gaps))
+    return KelvinChain(instantaneous, compliances, roots, fluidity), gaps
 
 
 @numpy_unless_traced
@@ -311,13 +312,15 @@ def to_relaxation(chain: KelvinChain) -> Relaxation:
 
     With s = -1/t, J(s) = t [J_0/t + sum_k J_k/(t - lambda_k) - phi].
     """
-    compliances, times = xp.asarray(chain.compliances), xp.asarray(chain.times)
-    instantaneous = xp.asarray(chain.instantaneous)
-    fluidity = xp.asarray(chain.fluidity)
-    poles = xp.concatenate([xp.zeros(1), times])
-    weights = xp.concatenate([instantaneous[None], compliances])
-    if not is_traced(weights):
-        poles, weights = poles[weights > 0], weights[weights > 0]
+    instantaneous, compliances, times, fluidity = (
+        chain.instantaneous,
+        chain.compliances,
+        chain.times,
+        chain.fluidity,
+    )
+    poles, weights = xp.append(0.0, times), xp.append(instantaneous, compliances)
+    kept = _visible(weights > 0)
+    poles, weights = poles[kept], weights[kept]
     glassy_free = instantaneous == 0  # no instantaneous compliance: a dashpot remains
     rate = xp.sum(compliances / times) + fluidity
     viscosity = xp.where(glassy_free, 1 / xp.where(glassy_free, rate, 1.0), 0.0)
@@ -326,13 +329,12 @@ def to_relaxation(chain: KelvinChain) -> Relaxation:
     equilibrium = xp.where(solid, 1 / xp.where(solid, total, 1.0), 0.0)
     if weights.shape[0] == 0:
         return Relaxation(equilibrium, weights, poles, viscosity)
-    roots, slope, _ = _roots(poles, weights, fluidity)
+    roots, slope, _ = secular_roots(poles, weights, fluidity)
     has_root = xp.isfinite(roots)
     roots = xp.where(has_root, roots, xp.maximum(2 * poles[-1], 1.0))
     moduli = xp.where(has_root, 1 / (roots**2 * slope), 0.0)
-    if not is_traced(has_root):
-        roots, moduli = roots[has_root], moduli[has_root]
-    return Relaxation(equilibrium, moduli, roots, viscosity)
+    kept = _visible(has_root)
+    return Relaxation(equilibrium, moduli[kept], roots[kept], viscosity)
 
 
 @numpy_unless_traced
@@ -358,29 +360,18 @@ def spring(modulus: Array) -> Relaxation:
     return Relaxation(modulus, np.zeros(0), np.zeros(0), np.zeros(()))
 
 
-def _roots(*problem: Array) -> tuple[Array, Array, Array]:
-    """`secular_roots`, of numbers as numbers: under a transformation of something else
-    they would become traced.
-    """
-    if is_traced(problem):
-        return secular_roots(*problem)
-    return numpy_unless_traced(secular_roots)(*map(np.asarray, problem))
-
-
 def _sum_branches(weights: Array, terms: Array) -> Array:
     return (weights * terms).sum(axis=-1)
 
 
-def _without_empty(times: Array, weights: Array) -> tuple[Array, Array, Array]:
-    """Leaves out branches of zero weight where that can be seen: their interval would
-    hold no root.
+def _visible(there: Array) -> slice | np.ndarray:
+    """Where something is there, as far as that can be seen; everywhere while JAX
+    traces.
     """
-    if is_traced(weights):
-        return times, weights, weights > 0
-    kept = weights > 0
-    return times[kept], weights[kept], np.ones(int(kept.sum()), dtype=bool)
+    return slice(None) if is_traced(there) else np.flatnonzero(there)
 
 
+@numpy_unless_traced
 @compiled()
 def secular_roots(
     poles: Float[Array, " n"],  # ascending pole times [s]

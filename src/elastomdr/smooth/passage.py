@@ -292,8 +292,7 @@ def _sought(
     them.
     """
     start = log_size, ratio
-    newton = _by_newton if isinstance(p.lines, SingleLine) else _by_newton_on_strips
-    log_size, ratio, converged = newton(p, value, log_size, ratio, top, by_depth)
+    log_size, ratio, converged = _by_newton(p, value, log_size, ratio, top, by_depth)
     left = ~converged
     if left.any():
         remaining, log_size, ratio = selected(p, left), log_size.copy(), ratio.copy()
@@ -315,68 +314,11 @@ def _sought(
 def _by_newton(
     p: Passage, value: Array, log_size: Array, ratio: Array, top: Array, by_depth: bool
 ) -> tuple[Array, Array, Array]:
-    """Newton's method on load and trailing edge together, for the points on which it
+    """Newton's method on load and trailing edges together, for the points on which it
     settles within few steps; the others are left to one search within another.
     """
-    log_size, ratio, converged = (
-        log_size.copy(),
-        ratio.copy(),
-        np.zeros(value.shape, bool),
-    )
-    left = np.arange(value.size)
-    for _ in range(_STEPS):
-        size, edge = np.exp(log_size[left]), ratio[0, left]
-        remaining = selected(p, left) if left.size < value.size else p
-        passing = balance_and_slopes(remaining, size, edge[None])
-        density, force, density_entry, density_exit, force_entry = (
-            x[0] for x in passing
-        )
-        if by_depth:
-            excess, step, turn = 0.0, 0.0, -density / (size * density_exit)
-        else:
-            excess = np.log(p.lines.weight(size)[0] * force / value[left])
-            per_size, per_edge = (
-                size * (force_entry + edge * density) / force,
-                size * density / force,
-            )
-            moved, turned = (
-                size * (density_entry + edge * density_exit),
-                size * density_exit,
-            )
-            scale = per_size * turned - per_edge * moved
-            step, turn = (
-                (per_edge * density - turned * excess) / scale,
-                (moved * excess - per_size * density) / scale,
-            )
-        # At the widest contact a step is small wherever the load is.
-        small = (np.abs(excess) <= _MET) & (np.abs(step) <= _CLOSE)
-        small &= np.abs(turn) <= _CLOSE * np.minimum(edge, 1 - edge) + 4e-15
-        after = edge + turn
-        after = np.where(
-            after >= 1, 1 - 0.2 * (1 - edge), np.where(after <= 0, 0.2 * edge, after)
-        )
-        log_size[left] = np.minimum(
-            log_size[left] + np.clip(step, -2.0, 2.0), top[left]
-        )
-        ratio[0, left], converged[left] = after, small
-        # Near a kink at the apex the edge may lie anywhere, and a step that is no
-        # number leads nowhere.
-        left = left[
-            ~small & np.isfinite(turn + step) & ((after > _NEAR) | (not p.rule.split))
-        ]
-        if not left.size:
-            break
-    return log_size, ratio, converged
-
-
-def _by_newton_on_strips(
-    p: Passage, value: Array, log_size: Array, ratio: Array, top: Array, by_depth: bool
-) -> tuple[Array, Array, Array]:
-    """The same on strips: each edge by its own density, and the size by the load.
-
-    How an edge moves with the size is left out; the force does not change to first
-    order with an edge, so that two steps together are still quadratic.
-    """
+    single = isinstance(p.lines, SingleLine)
+    steps, kinked = _steps_of_line if single else _steps_of_strips, p.rule.split
     log_size, ratio, converged = (
         log_size.copy(),
         ratio.copy(),
@@ -386,31 +328,75 @@ def _by_newton_on_strips(
     for _ in range(_STEPS):
         size, edge = np.exp(log_size[left]), ratio[:, left]
         remaining = selected(p, left) if left.size < value.size else p
-        passing = balance_and_slopes(remaining, size, edge)
-        entry, weight = p.lines.entry(size), p.lines.weight(size)
-        turn = -passing.density / (entry * passing.density_exit)
-        excess, step = np.zeros_like(size), np.zeros_like(size)
-        if not by_depth:
-            force = np.sum(weight * passing.force, axis=0)
-            # With the depth d each line's force grows by dF/da da/dd = dF/da / g'(a).
-            steep = p.lines.slope(entry, size, np.arange(p.lines.count)[:, None])
-            per_depth = np.sum(weight * passing.force_entry / steep, axis=0)
-            depth = p.lines.depth(size)
-            per_size = p.lines.exponent(size) * depth * per_depth / force
-            excess = np.log(force / value[left])
-            step = np.clip(-excess / per_size, -2.0, 2.0)
-        turned = np.abs(turn) <= _CLOSE * np.minimum(edge, 1 - edge) + 4e-15
+        excess, step, turn = steps(remaining, value[left], size, edge, by_depth)
+        # At the widest contact a step is small wherever the load is.
         small = (np.abs(excess) <= _MET) & (np.abs(step) <= _CLOSE)
-        small &= np.all(turned, axis=0)
+        turned = np.abs(turn) <= _CLOSE * np.minimum(edge, 1 - edge) + 4e-15
+        small = small & np.all(turned, axis=0)
         after = edge + turn
         beyond = 1 - 0.2 * (1 - edge)
         after = np.where(after >= 1, beyond, np.where(after <= 0, 0.2 * edge, after))
-        log_size[left] = np.minimum(log_size[left] + step, top[left])
+        log_size[left] = np.minimum(
+            log_size[left] + np.clip(step, -2.0, 2.0), top[left]
+        )
         ratio[:, left], converged[left] = after, small
-        left = left[~small & np.isfinite(np.sum(turn, axis=0) + step)]
+        # A step that is no number leads nowhere, and near a kink at the apex the edge
+        # of a line may lie anywhere.
+        goes_on = ~small & np.isfinite(np.sum(turn, axis=0) + step)
+        if single and kinked:
+            goes_on &= after[0] > _NEAR
+        left = left[goes_on]
         if not left.size:
             break
     return log_size, ratio, converged
+
+
+def _steps_of_line(
+    p: Passage, value: Array, size: Array, edge: Array, by_depth: bool
+) -> tuple[Array | float, Array | float, Array]:
+    """By how much the log of the load is missed, and the steps of log size and edge that
+    would meet it and the density at the edge.
+    """
+    density, force, density_entry, density_exit, force_entry = (
+        x[0] for x in balance_and_slopes(p, size, edge)
+    )
+    if by_depth:
+        return 0.0, 0.0, (-density / (size * density_exit))[None]
+    excess = np.log(p.lines.weight(size)[0] * force / value)
+    per_size, per_edge = (
+        size * (force_entry + edge[0] * density) / force,
+        size * density / force,
+    )
+    moved, turned = (
+        size * (density_entry + edge[0] * density_exit),
+        size * density_exit,
+    )
+    scale = per_size * turned - per_edge * moved
+    step = (per_edge * density - turned * excess) / scale
+    return excess, step, ((moved * excess - per_size * density) / scale)[None]
+
+
+def _steps_of_strips(
+    p: Passage, value: Array, size: Array, edge: Array, by_depth: bool
+) -> tuple[Array | float, Array | float, Array]:
+    """The same on strips: each edge by its own density, and the size by the load.
+
+    How an edge moves with the size is left out; the force does not change to first
+    order with an edge, so that two steps together are still quadratic.
+    """
+    passing = balance_and_slopes(p, size, edge)
+    entry, weight = p.lines.entry(size), p.lines.weight(size)
+    turn = -passing.density / (entry * passing.density_exit)
+    if by_depth:
+        return 0.0, 0.0, turn
+    force = np.sum(weight * passing.force, axis=0)
+    # With the depth d each line's force grows by dF/da da/dd = dF/da / g'(a).
+    steep = p.lines.slope(entry, size, np.arange(p.lines.count)[:, None])
+    per_depth = np.sum(weight * passing.force_entry / steep, axis=0)
+    depth = p.lines.depth(size)
+    per_size = p.lines.exponent(size) * depth * per_depth / force
+    excess = np.log(force / value)
+    return excess, -excess / per_size, turn
 
 
 def _settled(p: Passage, size: Array, ratio: Array) -> Array:
