@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 
-from .trees import Tree
+from .trees import Tree, after_jax
 from .units.arguments import arguments_in_si
 
 if TYPE_CHECKING:
@@ -58,34 +58,34 @@ class _Namespace:
 
     What is known thus stays known under `jit`, and what is made of nothing, as `zeros`,
     is NumPy's, a constant to JAX. What is known and indexed by what JAX traces needs
-    `arrays`, or `xp.take`.
+    `arrays`, or `xp.take`. Until JAX is loaded all are NumPy's own.
     """
 
     def __init__(self, numpy: str, jax: str):
         self._modules = numpy, jax
-
-    @functools.cached_property
-    def _numpy(self) -> ModuleType:
-        return import_module(self._modules[0])
+        after_jax(self._forget)
 
     def __getattr__(self, name: str) -> Any:
-        if _mode.numpy:
-            return getattr(self._numpy, name)
-        return _by_arguments(name, *self._modules)
+        numpy, jax = self._modules
+        found = getattr(import_module(numpy), name)
+        if "jax" in sys.modules:
+            if isinstance(found, ModuleType):
+                found = _Namespace(f"{numpy}.{name}", f"{jax}.{name}")
+            elif callable(found) and not isinstance(found, type):
+                found = _by_arguments(found, name, jax)
+        vars(self)[name] = found
+        return found
+
+    def _forget(self) -> None:
+        for name in set(vars(self)) - {"_modules"}:
+            del vars(self)[name]
 
 
-@functools.cache
-def _by_arguments(name: str, numpy: str, jax: str) -> Any:
-    plain = getattr(import_module(numpy), name)
-    if isinstance(plain, ModuleType):
-        return _Namespace(f"{numpy}.{name}", f"{jax}.{name}")
-    if not callable(plain) or isinstance(plain, type):
-        return plain
-
+def _by_arguments(plain: Callable[..., Any], name: str, jax: str) -> Any:
     def function(*args: Any, **kwargs: Any) -> Any:
-        if any(map(_of_jax, (*args, *kwargs.values()))):
-            return getattr(import_module(jax), name)(*args, **kwargs)
-        return plain(*args, **kwargs)
+        if _mode.numpy or not any(map(_of_jax, (*args, *kwargs.values()))):
+            return plain(*args, **kwargs)
+        return getattr(import_module(jax), name)(*args, **kwargs)
 
     return function
 
@@ -96,8 +96,7 @@ def _of_jax(value: object) -> bool:
         return False
     if isinstance(value, (tuple, list)):
         return any(map(_of_jax, value))
-    jax = sys.modules.get("jax")
-    return jax is not None and isinstance(value, jax.Array)
+    return isinstance(value, getattr(sys.modules.get("jax"), "Array", ()))
 
 
 xp: Any = _Namespace("numpy", "jax.numpy")
@@ -362,8 +361,8 @@ def fori_loop(
 
 
 def stop_gradient(tree: R) -> R:
-    """`jax.lax.stop_gradient`."""
-    if _mode.numpy:
+    """`jax.lax.stop_gradient`; of what is known nothing, since JAX would trace it."""
+    if _mode.numpy or not is_traced(tree):
         return tree
     import jax
 

@@ -12,11 +12,12 @@ from __future__ import annotations
 import abc
 import copy
 import dataclasses
+import functools
 import importlib.abc
 import importlib.machinery
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from types import ModuleType
 from typing import Any, TypeVar, dataclass_transform
 
@@ -107,31 +108,38 @@ def _names(cls: type) -> list[str]:
 
 
 _lock = threading.RLock()
-_waiting: list[type] = []
+_waiting: list[Callable[[], None]] = []
 
 
 def pytree(cls: type[T]) -> type[T]:
     """Lets a dataclass pass through JAX's transformations, at once or from when JAX is
     loaded.
     """
-    with _lock:
-        _waiting.append(cls)
-    if sys.modules.get("jax") is not None:
-        _register_waiting()
+    after_jax(functools.partial(_make_pytree, cls))
     return cls
 
 
-def _register_waiting() -> None:
+def after_jax(action: Callable[[], None]) -> None:
+    """Does something at once or, where JAX is not loaded, as soon as it is."""
+    with _lock:
+        _waiting.append(action)
+    if sys.modules.get("jax") is not None:
+        _do_waiting()
+
+
+def _do_waiting() -> None:
     # Waits for another thread that is in the middle of importing JAX; in the same
-    # thread it needs this part only.
-    from jax import tree_util
+    # thread this part of it is enough.
+    from jax import tree_util as _  # noqa: F401
 
     with _lock:
         while _waiting:
-            _make_pytree(_waiting.pop(0), tree_util)
+            _waiting.pop(0)()
 
 
-def _make_pytree(cls: type, tree_util: ModuleType) -> None:
+def _make_pytree(cls: type) -> None:
+    from jax import tree_util
+
     fields = dataclasses.fields(cls)  # type: ignore[arg-type]
     leaves = tuple(field.name for field in fields if not field.metadata.get("static"))
     others = tuple(field.name for field in fields if field.metadata.get("static"))
@@ -147,7 +155,7 @@ def _make_pytree(cls: type, tree_util: ModuleType) -> None:
         values, rest = parts(tree)
         return tuple(zip(keys, values, strict=True)), rest
 
-    def whole(rest: tuple[Any, ...], values: tuple[Any, ...]) -> Any:
+    def whole(rest: tuple[Any, ...], values: Iterable[Any]) -> Any:
         tree = object.__new__(cls)
         vars(tree).update(zip(leaves, values, strict=True))
         vars(tree).update(zip(others, rest, strict=True))
@@ -157,8 +165,8 @@ def _make_pytree(cls: type, tree_util: ModuleType) -> None:
 
 
 class _AfterJax(importlib.abc.MetaPathFinder):
-    """Finds JAX as the other finders do, and has the classes that wait registered when
-    it has been imported.
+    """Finds JAX as the other finders do, and does what waits when it has been
+    imported.
     """
 
     def find_spec(
@@ -180,7 +188,7 @@ class _AfterJax(importlib.abc.MetaPathFinder):
 def _followed(run: Callable[[ModuleType], None]) -> Callable[[ModuleType], None]:
     def exec_module(module: ModuleType) -> None:
         run(module)
-        _register_waiting()
+        _do_waiting()
 
     return exec_module
 

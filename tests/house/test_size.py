@@ -19,7 +19,7 @@ ROOMS = {
     "transient": 66,
     "rough": 64,
     "fit": 64,
-    "smooth": 49,
+    "smooth": 48,
     "seal": 40,
     "results": 37,
     "io": 35,

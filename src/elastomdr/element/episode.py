@@ -371,7 +371,7 @@ def recovery_modes(law: Relaxation) -> Modes:
     is traced.
     """
     chain, gaps = kelvin_and_gaps(law)
-    has_branch = xp.asarray(chain.compliances) > 0
+    has_branch = chain.compliances > 0
     rate = xp.where(has_branch, 1 / xp.where(has_branch, chain.times, 1.0), 0.0)
     gain = xp.where(has_branch, chain.compliances * rate, 0.0)
     gap = rate[:, None] * gaps + xp.where(has_branch, 0.0, 1.0)[:, None]

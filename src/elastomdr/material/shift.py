@@ -101,7 +101,7 @@ class AbstractShift(_TemperatureLaw):
         import jax
 
         self.log10_a(temperature)
-        temperatures = xp.asarray(as_float64("temperature", temperature))
+        temperatures = as_float64("temperature", temperature)
         _, slope = jax.jvp(
             self._log10_a, (temperatures,), (xp.ones_like(temperatures),)
         )

@@ -126,8 +126,8 @@ class Softening(Tree):
 
     def _factors_at(self, strain: Array) -> Array:
         """Both factors, (2, ...)."""
-        nodes = xp.log(xp.asarray(self.strain))
-        values = xp.stack([xp.asarray(self.storage), xp.asarray(self.loss)])
+        nodes = xp.log(self.strain)
+        values = xp.stack([self.storage, self.loss])
         slopes = monotone_slopes(nodes, values)
         # At the first point the slope of the line to the origin, as far as it keeps the
         # cubics monotone; none at the last one, where the factor is held.

@@ -158,7 +158,7 @@ class AbstractTable(Tree):
         nodes, storage, loss = map(
             xp.log, (self.omega, self.storage_table, self.loss_table)
         )
-        omega = xp.asarray(self.omega)
+        omega = self.omega
         low = xp.asarray(low)[..., None]
         high = xp.asarray(high)[..., None]
         # intervals between neighbours

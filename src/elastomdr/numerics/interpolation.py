@@ -113,16 +113,17 @@ def parabola_slopes(x: Array, y: Array) -> Array:
 
 
 def lagrange(
-    place: np.ndarray, stencil: int, count: int | None = None
-) -> tuple[np.ndarray, np.ndarray]:
+    place: Array, stencil: int, count: int | None = None
+) -> tuple[Array, Array]:
     """Indices and weights of the `stencil` nodes around each place on a grid of unit
     spacing, or the nearest of `count` nodes: (..., stencil).
     """
-    left = np.floor(place).astype(int) - (stencil // 2 - 1)
-    left = left if count is None else np.clip(left, 0, count - stencil)
+    left = xp.floor(stop_gradient(place)).astype(int) - (stencil // 2 - 1)
+    left = left if count is None else xp.clip(left, 0, count - stencil)
     offsets = np.arange(stencil)
     gaps = (place - left)[..., None] - offsets
-    gaps = np.where(gaps == 0, 1e-300, gaps)
+    # at a node, where the squares in derivatives must not overflow
+    gaps = xp.where(gaps == 0, 1e-140, gaps)
     weights = _barycentric(stencil) / gaps
     return left[..., None] + offsets, weights / weights.sum(axis=-1, keepdims=True)
 
@@ -158,7 +159,7 @@ def peak(values: Array, last: Array | int) -> tuple[Array, Array]:
     near = first[None] + xp.arange(_NEAR)[:, None]
     rows = xp.take_along_axis(values, near, axis=0)
     # of powers of x, the nodes being at -1 ... 1
-    coefficients = xp.einsum("ij,j...->i...", xp.asarray(_TO_POWERS), rows)
+    coefficients = xp.einsum("ij,j...->i...", _TO_POWERS, rows)
     known, powers = stop_gradient(coefficients), np.arange(_NEAR)[:, None]
     x = argmax(stop_gradient(rows)) / half - 1.0
     for _ in range(5):

@@ -69,7 +69,7 @@ def full_contact_sliding(
     asked = Asked(velocity, load, temperature=temperature)
     scene = steady_scene(foundation, line, asked, "load")
     v, force = scene.reduced, scene.at_reference().reshape(scene.shape)
-    waves = xp.fft.rfft(xp.asarray(line.height))[1:]
+    waves = xp.fft.rfft(line.height)[1:]
     k = 2 * xp.pi * xp.arange(1, waves.shape[0] + 1) / line.period
     modulus = foundation.complex_modulus(xp.asarray(v)[..., None] * k)
     # the shortest wave counts once

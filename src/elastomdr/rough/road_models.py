@@ -9,7 +9,10 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, ClassVar
 
-from ..checks import is_traced, whole_number
+from ..checks import (
+    untraced,
+    whole_number,
+)
 from ..errors import InputError
 from ..models import flag, seeds_of
 from ..units.arguments import constructor_in_si
@@ -219,11 +222,10 @@ class HalfSpace(SurfaceModel):
     def solve(self, problem: RoadProblem) -> SurfaceFriction:
         from . import on_maps
 
-        if is_traced(problem):
-            raise InputError(
-                "model must be em.Multiscale() or em.Persson() under jit, grad and "
-                "vmap."
-            )
+        untraced(
+            "model must be em.Multiscale() or em.Persson() under jit, grad and vmap.",
+            problem,
+        )
         seeds, measured = seeds_of(self.seeds), self.on_map(problem.surface)
         maps = MapsOf(measured, self.cells, self.periods, seeds)
         return on_maps.friction(maps, problem)

@@ -33,8 +33,9 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from ..arrays import Array, one_thread
-from ..checks import is_traced
-from ..errors import InputError
+from ..checks import (
+    untraced,
+)
 from ..rough.half_space import area_of, solve, waves
 from ..rough.random_maps import MapGrid, grid_of
 from ..surface.lay import lay_of
@@ -306,8 +307,11 @@ class MappedChannels(Channels):
         along their first axis; without one both axes are taken as one medium.
         """
         surface, softening, direction = rough
-        if is_traced(rough, relative_pressure):
-            raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
+        untraced(
+            "model must be em.Multiscale() under jit, grad and vmap.",
+            rough,
+            relative_pressure,
+        )
         grid = grid_of(surface, self.cells, self.periods)
         flat, shape = np.ravel(relative_pressure), relative_pressure.shape
         turned = direction is not None and lay_of(surface) is not None

@@ -26,14 +26,15 @@ from ..checks import (
     as_float64,
     broadcast,
     broadcast_shape,
-    certain,
     is_traced,
     nan_unless,
     not_negative,
     only_one,
     positive,
+    possible,
     require,
     scalar,
+    untraced,
     warn_unless,
 )
 from ..element.law import Foundation
@@ -42,7 +43,13 @@ from ..material.validity import material_in_words
 from ..models import Model, as_model, seeds_of
 from ..results.base import WIDE, Array, Result, quantity, record, setting
 from ..results.doubts import Doubt
-from ..results.words import brief, given_in_words, in_unit, span
+from ..results.words import (
+    brief,
+    given_in_words,
+    in_unit,
+    span,
+    surface_in_words,
+)
 from ..rough.problem import Resting, resting_body
 from ..rough.road_models import HalfSpace, Multiscale
 from ..surface.lay import lay_of
@@ -458,11 +465,11 @@ def leak(
 
 def _angle(direction: float) -> float:
     """The direction of the flow [rad]. Raises `InputError`."""
-    if is_traced(direction):
-        raise InputError(
-            "direction must be a plain number under jax.jit, grad and vmap: bounds alone "
-            "depend on it."
-        )
+    untraced(
+        "direction must be a plain number under jax.jit, grad and vmap: bounds alone "
+        "depend on it.",
+        direction,
+    )
     angle: Any = scalar("direction", direction)
     require("direction", angle, "finite [rad]", np.isfinite)
     return float(angle)
@@ -491,11 +498,13 @@ def _seal(
         if length is None:
             raise InputError("length must be given with pressure [m], got None.")
         return _Seal(pressure, length, pressure)
-    if is_traced(profile, ring, length):
-        raise InputError(
-            "pressure must be given under jax.jit, grad and vmap, in place of profile "
-            "or o_ring, whose flow is searched with concrete numbers."
-        )
+    untraced(
+        "pressure must be given under jax.jit, grad and vmap, in place of profile "
+        "or o_ring, whose flow is searched with concrete numbers.",
+        profile,
+        ring,
+        length,
+    )
     if ring is not None:
         return _of_hertz(ring, length)
     x, p = pressure_profile(profile, 2)
@@ -558,11 +567,12 @@ def _along(
     """The flow where the pressure changes along it, in the shape of its points."""
     soft, drop, (expands, path) = pressed.soft, pressed.drop, pressed.fluid
     arrays = (soft, drop, expands, path, seal.length, seal.peak)
-    if is_traced(pressed.rough, *arrays):
-        raise InputError(
-            "pressure must be given under jax.jit, grad and vmap, in place of profile "
-            "or o_ring, whose flow is searched with concrete numbers."
-        )
+    untraced(
+        "pressure must be given under jax.jit, grad and vmap, in place of profile "
+        "or o_ring, whose flow is searched with concrete numbers.",
+        pressed.rough,
+        *arrays,
+    )
     shape = np.broadcast_shapes(*map(np.shape, arrays))
     soft, drop, expands, path, length, peak = (
         np.broadcast_to(each, shape).ravel() for each in arrays
@@ -625,7 +635,7 @@ def _checked(arguments: dict[str, ArrayLike | None], peak: ArrayLike) -> LeakGiv
     check_gas(given)
     drop, peak = given.pressure_drop, as_float64("pressure", peak)
     broadcast_shape({"pressure": peak, "pressure_drop": drop})
-    if not is_traced(peak, drop) and not certain(np.less, drop, peak):
+    if not possible(lambda low, high: np.all(low < high), drop, peak):
         pairs = np.broadcast_arrays(drop, peak)
         worst = int(np.argmax(pairs[0] - pairs[1]))
         high, low = (float(x.flat[worst]) for x in pairs)
@@ -736,10 +746,9 @@ def bodies_in_words(
     foundation: Foundation, surface: AbstractSpectrum
 ) -> list[tuple[str, str]]:
     """The rubber, the surface, and where the roughness is."""
-    words = "" if is_traced(surface) else f", {surface.words()}"
     return [
         *material_in_words(foundation),
-        ("surface", f"{surface.label}{words}"),
+        ("surface", surface_in_words(surface)),
         ("roughness", BOTH),
     ]
 

@@ -18,7 +18,9 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..checks import is_traced
+from ..checks import (
+    untraced,
+)
 from ..errors import InputError
 from ..models import Model
 from ..rough.psd_integrals import PER_DECADE, nodes
@@ -51,8 +53,11 @@ class LeakTheory(Model, Channels):
 
     def flow(self, rough: RoughSeal, relative_pressure: Array) -> GapFlow:
         surface, softened = rough.surface, rough.softened()
-        if is_traced(rough, relative_pressure):
-            raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
+        untraced(
+            "model must be em.Multiscale() under jit, grad and vmap.",
+            rough,
+            relative_pressure,
+        )
         fine, coarse = (nodes(surface, count) for count in (2 * PER_DECADE, PER_DECADE))
         flat, shape = np.ravel(relative_pressure), relative_pressure.shape
         contacts = contact_of(fine, flat, softened)

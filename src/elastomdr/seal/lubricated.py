@@ -35,9 +35,9 @@ from ..call.several_materials import over_materials
 from ..checks import (
     broadcast_shape,
     in_kelvin,
-    is_traced,
     one_of,
     positive_arrays,
+    untraced,
     warn_unless,
 )
 from ..element.layer import Layer
@@ -299,11 +299,12 @@ def lubricated(
     Cheng, J. Lubr. Technol. 100 (1978) 12.
     """
     given = (material, shape, velocity, load, viscosity, temperature, time, surface)
-    if is_traced(*given, boundary_shear):
-        raise InputError(
-            "em.lubricated cannot be called under jax.jit, grad or vmap: it "
-            "searches with concrete numbers."
-        )
+    untraced(
+        "em.lubricated cannot be called under jax.jit, grad or vmap: it "
+        "searches with concrete numbers.",
+        *given,
+        boundary_shear,
+    )
     solid: Any = material  # `over_materials` has taken a list apart
     scene = _checked(
         solid, shape, velocity, load, viscosity, temperature, time, rubber, surface

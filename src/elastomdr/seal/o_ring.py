@@ -35,7 +35,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from ..arrays import is_traced, numpy_unless_traced, stop_gradient, xp
+from ..arrays import numpy_unless_traced, stop_gradient, xp
 from ..call.extrapolation import held_beyond, pressed_too_hard
 from ..call.several_materials import over_materials
 from ..checks import (
@@ -46,6 +46,7 @@ from ..checks import (
     not_negative,
     one_of,
     positive,
+    possible,
     require,
 )
 from ..element.law import normal_operator
@@ -288,7 +289,7 @@ def o_ring(
         _modulus(law, solid, given.time, given.temperature)
         for law in (solid.tensile().law(), normal_operator(solid))
     )
-    if not is_traced(young) and not np.all(young > 0):
+    if not possible(lambda young: np.all(young > 0), young):
         raise InputError(
             "time must be given for a material without an equilibrium modulus: it "
             "relaxes completely."

@@ -39,9 +39,9 @@ import numpy as np
 from ..checks import (
     broadcast,
     in_si,
-    is_traced,
     positive_arrays,
     scalar,
+    untraced,
 )
 from ..errors import InputError, ModelWarning, quiet, warn, warned_once
 from ..material.prony import Prony
@@ -214,11 +214,14 @@ def _refuse_traced(
 ) -> None:
     """Raises `InputError` for what JAX traces."""
     of_ring = (ring.width, ring.line_load) if isinstance(ring, ORing) else ()
-    if is_traced(material, profile, of_ring, motion):
-        raise InputError(
-            "em.reciprocating cannot be called under jax.jit, grad or vmap: it "
-            "searches with concrete numbers."
-        )
+    untraced(
+        "em.reciprocating cannot be called under jax.jit, grad or vmap: it "
+        "searches with concrete numbers.",
+        material,
+        profile,
+        of_ring,
+        motion,
+    )
 
 
 def _motion(

@@ -111,7 +111,7 @@ class _BallScene(NamedTuple):
     @property
     def reduced(self) -> Array:
         """Velocities times a_T, flat [m/s]."""
-        return xp.asarray(self.points.reduced).reshape(-1)
+        return self.points.reduced.reshape(-1)
 
 
 def ball_plan(call: SmoothCall) -> LayerPlan:
@@ -125,7 +125,7 @@ def ball_on_layer(call: SmoothCall) -> OnLayer:
     scene = _set_up(call)
     points, material, shape = scene.points, scene.material, scene.shape
     rtol, averaged, reduced = scene.plan.rtol, scene.averaged, scene.reduced
-    force = value = xp.asarray(points.at_reference())
+    force = value = points.at_reference()
     losing = True
     if points.traced:
         mean, misfit = _mean_of_traced(material, shape, reduced, value, averaged, rtol)
@@ -165,8 +165,8 @@ def _set_up(call: SmoothCall) -> _BallScene:
     label = CORRECTED if corrected else AVERAGED if averaged else BARE
     label += "" if material.softening is None else LINEAR
     _check_covers(material)
-    value = xp.asarray(points.at_reference())
-    reduced = xp.asarray(points.reduced).reshape(-1)
+    value = points.at_reference()
+    reduced = points.reduced.reshape(-1)
     count = _count(reduced, value, averaged, rtol, points.traced)
     orders = f"by polynomials of degree {_ORDERS[0]} and {_ORDERS[1]}"
     plan = LayerPlan(

@@ -125,7 +125,7 @@ class _CylinderScene(NamedTuple):
     @property
     def reduced(self) -> Array:
         """Velocities times a_T, flat [m/s]."""
-        return xp.asarray(self.points.reduced).reshape(-1)
+        return self.points.reduced.reshape(-1)
 
 
 def cylinder_plan(call: SmoothCall) -> LayerPlan:
@@ -163,7 +163,7 @@ def _set_up(call: SmoothCall) -> _CylinderScene:
     name = describe(shape).replace(" on a layer", "")
     carriers, misfit = body, 0.0
     if not points.traced or _has_table(body):
-        carriers, misfit = _covers(body, xp.asarray(points.reduced).reshape(-1))
+        carriers, misfit = _covers(body, points.reduced.reshape(-1))
     label = ON_LAYER if layers else ON_HALF_SPACE
     label += "" if getattr(body, "softening", None) is None else LINEAR
     terms = f"{_FIRST} and {_ORDERS[1]}, up to {_ORDERS[-1]} where they disagree"
@@ -191,9 +191,9 @@ def _solved(scene: _CylinderScene) -> tuple[_Contacts, Array]:
     """The contacts, and which would sink into the ground under the layer."""
     points, carriers, plan = scene.points, scene.carriers, scene.plan
     layers, by_depth = isinstance(scene.body, Layer), plan.control == "depth"
-    wanted = xp.asarray(points.at_reference())
+    wanted = points.at_reference()
     wanted = wanted if by_depth else wanted / scene.shape.length
-    radius = xp.asarray(scene.shape.radius)
+    radius = scene.shape.radius
     if points.traced:
         dashpot = _begins_with_dashpot(known(stop_gradient(carriers)))
         solve = _with_slopes(layers, by_depth, dashpot, plan.rtol, scene.misfit)
@@ -272,9 +272,9 @@ def _solid(shear: Prony, layer: Layer, reduced: Array) -> Prony:
     """
     if certain(lambda x: x > 0, shear.equilibrium):
         return shear
-    flow = shear.viscosity + xp.sum(xp.asarray(shear.moduli) * xp.asarray(shear.times))
+    flow = shear.viscosity + xp.sum(shear.moduli * shear.times)
     little = flow * xp.min(reduced) / (_FLOWING * layer.thickness)
-    relaxed = xp.where(xp.asarray(shear.equilibrium) > 0, shear.equilibrium, little)
+    relaxed = xp.where(shear.equilibrium > 0, shear.equilibrium, little)
     return replaced(shear, equilibrium=relaxed)
 
 

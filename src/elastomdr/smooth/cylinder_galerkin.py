@@ -153,7 +153,7 @@ def solve_at(
     right[0] = 0.25
     coefficients = xp.linalg.solve(
         matrix[:, apart][:, :, columns],
-        xp.broadcast_to(xp.asarray(right), (matrix.shape[0], size, 1)),
+        xp.broadcast_to(right, (matrix.shape[0], size, 1)),
     )
     coefficients = coefficients[:, np.argsort(columns), 0]
     n = np.arange(1.0, order + 1)
@@ -184,10 +184,10 @@ def depth_and_gap(
     """`depth`, and the smallest gap beside the contact over the undeformed one, where it
     is looked at; negative: it touches.
     """
-    y, weight, _ = (xp.asarray(x) for x in _depth_waves())
+    y, weight, _ = _depth_waves()
     real, imaginary = _displacement(problem, solution, order)
     deep = _depth(problem, solution, real)
-    t = xp.asarray(_BESIDE)
+    t = _BESIDE
     wave = y[:, None] * t
     u = (real * weight / y) @ xp.cos(wave) - (imaginary * weight / y) @ xp.sin(wave)
     half = solution.half[:, None]
@@ -196,7 +196,7 @@ def depth_and_gap(
 
 
 def _depth(problem: Cylinders, solution: Solution, real: Array) -> Array:
-    y, weight, mean = (xp.asarray(x) for x in _depth_waves())
+    y, weight, mean = _depth_waves()
     bend = (solution.shift**2 + solution.half**2 / 6) / (2 * problem.radius)
     return bend + solution.half * (real @ (weight * mean / y))
 
@@ -208,9 +208,9 @@ def pull(solution: Solution, order: int, dashpot: bool) -> Array:
     count = 2 * order
     angle = math.pi * (np.arange(count) + 0.5) / count
     terms = np.sin(angle[:, None] * np.arange(1, order + 1)) * np.sin(angle)[:, None]
-    pressure = solution.terms[:, :order] @ xp.asarray(terms.T)
+    pressure = solution.terms[:, :order] @ terms.T
     if dashpot:
-        pressure = pressure + solution.terms[:, -1:] * xp.asarray(1 + np.cos(angle))
+        pressure = pressure + solution.terms[:, -1:] * (1 + np.cos(angle))
     return xp.sum(xp.maximum(-pressure, 0.0), axis=1) / xp.sum(pressure, axis=1)
 
 
@@ -218,11 +218,9 @@ def _displacement(
     problem: Cylinders, solution: Solution, order: int
 ) -> tuple[Any, Any]:
     """Real and imaginary part of (2/pi) C p of each wave kL, over L."""
-    y, _, _ = (xp.asarray(x) for x in _depth_waves())
+    y, _, _ = _depth_waves()
     k = y / solution.half[:, None]
-    real, imaginary = (
-        xp.asarray(x)[: solution.terms.shape[1]] for x in _depth_terms(order)
-    )
+    real, imaginary = (x[: solution.terms.shape[1]] for x in _depth_terms(order))
     stored, lost = solution.terms @ real, solution.terms @ imaginary
     creep = [
         cover.of_kernel(layer_kernel, k, k * problem.velocity[:, None])
@@ -277,7 +275,7 @@ def layer_waves(problem: Cylinders, ratio: float) -> LayerWaves | None:
     thickness = functools.reduce(
         xp.minimum, [cover.thickness for cover in problem.covers]
     )
-    z, fine, spread, rest, weight = (xp.asarray(x) for x in _wave_rule(ratio))
+    z, fine, spread, rest, weight = _wave_rule(ratio)
 
     def lacking(z: Array) -> tuple[Any, Any]:
         k = z / thickness
@@ -354,7 +352,7 @@ def _block(waves: LayerWaves, points: slice) -> LayerWaves:
 def _of_block(
     half: Array, top: int, waves: LayerWaves, last: int, count: int
 ) -> _Shares:
-    s, to_even, to_odd = (xp.asarray(x) for x in _transform(count, top, last))
+    s, to_even, to_odd = _transform(count, top, last)
     ratio = half / waves.thickness
     phase = 0.5 * (ratio[:, None] * waves.z)[..., None] * s  # points x waves x nodes
     sine, cosine = xp.sin(phase), xp.cos(phase)
@@ -586,7 +584,7 @@ def _ratios(z: Array, top: int) -> Array:
         return ratio, ratio
 
     orders = np.arange(last - 1, 0, -1.0)
-    _, ratios = scan(lower, _first_ratio(z, last), xp.asarray(orders))
+    _, ratios = scan(lower, _first_ratio(z, last), orders)
     return ratios[::-1][:top]
 
 
@@ -679,7 +677,7 @@ def slopes_of_all(first: Array, second: Array, order: int) -> Array:
         return (now, after), now[1 : order + 1]
 
     terms = np.arange(1.0, order + 1)
-    _, lower = scan(next_term, (first, second), xp.asarray(terms))
+    _, lower = scan(next_term, (first, second), terms)
     lower = xp.transpose(lower, (2, 1, 0))  # points, m, n
     m, n = terms[:, None], terms
     sign = (-1.0) ** (m - n)

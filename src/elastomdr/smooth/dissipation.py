@@ -118,7 +118,7 @@ def _shares(scene: SmoothScene) -> Dissipation:
     warn_unless(good, "balances of losses", asked, known=~solved.converged)
     share = xp.moveaxis(forces / total, 0, -1).reshape(*scene.shape, -1)
     share = nan_unless(good[..., None], share)
-    times = xp.asarray(scene.law.times)
+    times = scene.law.times
     times = xp.concatenate([xp.zeros(1), times]) if with_dashpot else times
     factor = (scene.points.reduced / scene.points.velocity)[..., None]
 
@@ -204,8 +204,7 @@ def _forces(scene: SmoothScene, load: Array) -> Losses:
     else:
         every = _refined(scene, control, value, slowed)
     dashpot, branches, work = (
-        xp.asarray(field).reshape(*field.shape[:-1], velocity.size, cosines.size)
-        @ weights
+        field.reshape(*field.shape[:-1], velocity.size, cosines.size) @ weights
         for field in (every.dashpot, every.branches, every.friction_force)
     )
     good: Any = every.converged.reshape(velocity.size, -1).all(axis=1)

@@ -29,9 +29,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import on_numpy, stop_gradient, xp
+from ..arrays import on_numpy, xp
 from ..checks import Array
 from ..material.relaxation import KelvinChain
+from ..numerics.interpolation import lagrange
 from ..numerics.quadrature import gauss, gauss_unit
 from ..surface.shapes import AbstractShape
 
@@ -215,7 +216,7 @@ def _memories(
     length = velocity[:, None] * chain.times
     eye = np.eye(n + 1)
     rows = []
-    table = xp.asarray(rule.table)
+    table = rule.table
     for half in (0.5 * a, 0.5 * b):
         weight, plain = _weights(
             length / half[:, None], chain.compliances, table.shape[0]
@@ -271,15 +272,12 @@ def _weights(l: Array, compliance: Array, size: int) -> tuple[Array, Array]:
     log = xp.log(xp.maximum(l, 1e-280))
     inside = xp.clip(log, _LOW, _HIGH)
     place = (inside - _LOW) / _STEP + _STENCIL // 2
-    left = xp.floor(stop_gradient(place)).astype(int) - (_STENCIL // 2 - 1)
-    near = xp.clip(left, 0, size - _STENCIL)[..., None] + np.arange(_STENCIL)
-    gaps = place[..., None] - near
-    # at a node, where the squares in derivatives must not overflow
-    factor = _barycentric() / xp.where(gaps == 0, 1e-140, gaps)
+    near: Any
+    near, weight = lagrange(place, _STENCIL, size)
     # below the table what is missing to q is linear in l
     short = xp.minimum(l / math.exp(_LOW), 1.0)
     amount = compliance * short / (1 + xp.maximum(l, math.exp(_LOW)))
-    weight = factor * (amount / xp.sum(factor, axis=-1))[..., None]
+    weight = weight * amount[..., None]
     spread: Any
     if on_numpy():
         spread = np.zeros((*l.shape, size))
@@ -334,14 +332,6 @@ def _remembered(t: np.ndarray, l: np.ndarray, top: int) -> np.ndarray:
         before, now = now, twice * now - before
         kept.append(now.sum(axis=-1))
     return np.stack(kept, axis=-1)
-
-
-@functools.cache
-def _barycentric() -> np.ndarray:
-    k = np.arange(_STENCIL)
-    return (-1.0) ** k * np.array(
-        [math.comb(_STENCIL - 1, int(j)) for j in k], dtype=float
-    )
 
 
 @functools.cache

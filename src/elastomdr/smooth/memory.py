@@ -211,7 +211,7 @@ def _ends(rule: Rule, lines: AbstractLines, size: Array) -> Array | None:
     if isinstance(lines.shape, Profile) and isinstance(lines, SingleLine):
         # The points of a profile leave kinks of odd powers of one half behind them.
         knots, fractions = (
-            stop_gradient(xp.asarray(lines.shape.r)),
+            stop_gradient(lines.shape.r),
             np.asarray(rule.fractions)[1:],
         )
         ends = (knots[:-1, None] + xp.diff(knots)[:, None] * fractions).ravel()
@@ -462,6 +462,4 @@ def _autocorrelation(c: Array) -> Array:
 
 def _applied(matrix: np.ndarray, values: Array) -> Array:
     """A matrix times the first axis of an array."""
-    return (xp.asarray(matrix) @ values.reshape(values.shape[0], -1)).reshape(
-        -1, *values.shape[1:]
-    )
+    return (matrix @ values.reshape(values.shape[0], -1)).reshape(-1, *values.shape[1:])

@@ -191,7 +191,7 @@ def packed(
     """Fields in the shape of the points, NaN where one failed; forces times b_T. `marks`
     come after those of the material.
     """
-    shown = _shaped(solved, xp.asarray(points.vertical).reshape(-1), points.shape)
+    shown = _shaped(solved, points.vertical.reshape(-1), points.shape)
     contact = Contact(shown.leading, shown.trailing)
     size, reduced = (
         0.5 * (contact.leading + contact.trailing),

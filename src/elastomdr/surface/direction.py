@@ -60,10 +60,8 @@ def within_maps(law: Relaxation, exponent: Array) -> Array:
     where it is not: flatter than a ball, and a glassy modulus of more than 1000 times
     the relaxed one, a dashpot or no relaxed modulus at all.
     """
-    glassy = law.equilibrium + xp.sum(xp.asarray(law.moduli))
-    moderate = (glassy <= _MAPPED[1] * law.equilibrium) & (
-        xp.asarray(law.viscosity) == 0
-    )
+    glassy = law.equilibrium + xp.sum(law.moduli)
+    moderate = (glassy <= _MAPPED[1] * law.equilibrium) & (law.viscosity == 0)
     return xp.where((exponent <= _MAPPED[0]) | moderate, 1.0, xp.nan)
 
 

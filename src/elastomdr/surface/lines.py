@@ -183,7 +183,7 @@ class Strips(AbstractLines):
         # c_n^2/c_n/2 for a power and less for an exponential. Against 96 strips of
         # spheres, cones and power laws on three rubbers that was up to 3 times too
         # small, hence the 4.
-        size = xp.abs(xp.asarray(shares_to_legendre(self.strips)) @ parts)
+        size = xp.abs(shares_to_legendre(self.strips) @ parts)
         half, last = (
             xp.max(size[self.strips // 2 - 2 : self.strips // 2], axis=0),
             xp.max(size[-2:], axis=0),

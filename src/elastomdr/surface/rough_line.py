@@ -92,9 +92,9 @@ class RoughLine(Tree):
         """The highest place of the spline [m], from which a depth counts; seldom one of
         the points.
         """
-        share, heights = _summits(stop_gradient(xp.asarray(self.height)))
+        share, heights = _summits(stop_gradient(self.height))
         place = argmax(heights)
-        coefficients = spline_coefficients(xp.asarray(self.height))
+        coefficients = spline_coefficients(self.height)
         # Sums, not an index: its derivative would be taken outside of this call.
         near = [
             (place + m) % self.count == xp.arange(self.count) for m in (-1, 0, 1, 2)
@@ -113,7 +113,7 @@ class RoughLine(Tree):
     @numpy_unless_traced
     def rms_slope(self) -> Array:
         """Root of the mean square slope of the spline at its points."""
-        coefficients = spline_coefficients(xp.asarray(self.height))
+        coefficients = spline_coefficients(self.height)
         slope = (xp.roll(coefficients, -1) - xp.roll(coefficients, 1)) / (
             2 * self.spacing
         )
