@@ -217,6 +217,10 @@ def outcome(mutation: Mutation, tests: list[str], limit: float) -> tuple[str, st
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "src"
         shutil.copytree(SOURCE, source, ignore=shutil.ignore_patterns("__pycache__"))
+        # the library of materials and the docs are found beside the source
+        for each in ROOT.iterdir():
+            if each != SOURCE and not each.name.startswith("."):
+                (Path(folder) / each.name).symlink_to(each)
         copy = source / mutation.file.relative_to(SOURCE)
         lines = copy.read_text(encoding="utf-8").splitlines()
         lines[mutation.line - 1] = mutation.written()[1]
