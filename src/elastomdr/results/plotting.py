@@ -814,7 +814,7 @@ def _write_title(canvas: Canvas, title: str, asked: bool) -> list[Artist]:
         figure.suptitle(title, x=0.01, ha="left", **bold)
     if canvas.several or not canvas.own_figure:
         inches *= ax.get_position(original=True).width
-    lines = textwrap.wrap(sentence(canvas.entries), max(30, int(135 * inches / text)))
+    lines = textwrap.wrap(sentence(canvas.entries), max(30, int(118 * inches / text)))
     if not canvas.several:
         wrapped = "\n".join(textwrap.wrap(title, max(24, int(95 * inches / text))))
         above = 1.25 * text * len(lines) + 0.9 * text
