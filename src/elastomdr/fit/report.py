@@ -384,8 +384,16 @@ def _check_series(material: object, purpose: str) -> None:
         raise InputError(f"material must be a Prony, got {type(material).__name__}.")
 
 
-def _parts(material: Prony) -> tuple[str, float, np.ndarray, list[str]]:
-    """Name, instantaneous modulus as given, relative parts, and notes for a card."""
+class _CardParts(NamedTuple):
+    """A series as cards have it."""
+
+    name: str
+    glassy: float  # instantaneous modulus, as given [Pa]
+    parts: np.ndarray  # of it
+    notes: list[str]
+
+
+def _parts(material: Prony) -> _CardParts:
     _check_series(material, "a card of Prony terms")
     if float(material.viscosity) > 0:
         raise InputError(
@@ -403,7 +411,8 @@ def _parts(material: Prony) -> tuple[str, float, np.ndarray, list[str]]:
         )
     glassy = equilibrium + float(moduli.sum())
     label = re.sub(r"[^A-Z0-9_]+", "_", (material.name or "rubber").upper())[:_LABEL]
-    return label if label[0].isalpha() else f"M_{label}", glassy, moduli / glassy, notes
+    name = label if label[0].isalpha() else f"M_{label}"
+    return _CardParts(name, glassy, moduli / glassy, notes)
 
 
 def _poisson(material: Prony) -> float:

@@ -332,15 +332,15 @@ def choose(columns: Sequence[Column], table: TitledTable) -> dict[str, Column]:
         for column in columns
     }
 
-    def order(column: Column) -> tuple[bool, bool, int, bool, int]:
+    def order(column: Column) -> tuple[tuple[bool, bool, int], bool, int]:
         many = holes[column.place] > len(table.rows) / 10
-        return not column.known, many, column.rank, bool(column.log), column.place
+        return (not column.known, many, column.rank), bool(column.log), column.place
 
     for column in sorted(columns, key=order):
         first = chosen.setdefault(column.role, column)
         if (
             first is column
-            or order(column)[:3] != order(first)[:3]
+            or order(column)[0] != order(first)[0]
             or not column.quantity.valid
         ):
             continue

@@ -494,7 +494,6 @@ def _conduction(
     velocity, of_each = distinct(problem.velocity)
     w = velocity * problem.heat.heat_capacity / (2 * problem.heat.conductivity)
     made = _kernels(wave_nodes, w, k, cell, place)
-    kernel, near, line, line_near = map(of_each, made)
     q = xp.exp(log_q)
     return Conduction(
         wave_nodes,
@@ -507,10 +506,7 @@ def _conduction(
         of_nodes=_profile(wave_nodes.q[..., None], k),
         of_end=_profile(wave_nodes.end, k),
         weight=dk,
-        kernel=kernel,
-        near=near,
-        line=line,
-        line_near=line_near,
+        **dict(zip(made._fields, map(of_each, made), strict=True)),
     )
 
 
@@ -533,10 +529,19 @@ def _depth_waves(wave_nodes: Nodes, count: int) -> tuple[Any, Any]:
     return k, k * (xp.log(k[1] / k[0]) * trapezoid + below)
 
 
+class _Kernels(NamedTuple):
+    """As `Conduction` has them."""
+
+    kernel: Any
+    near: Any
+    line: Any
+    line_near: Any
+
+
 def _kernels(
     wave_nodes: Nodes, w: Array, k: Array, cell: Array, place: Array
-) -> tuple[Any, Any, Any, Any]:
-    """`kernel`, `near`, `line` and `line_near` of `Conduction`, for each w = v/2D."""
+) -> _Kernels:
+    """Those for each w = v/2D."""
     # Below half the shortest wave r goes with the fourth power of Gauss' nodes: over
     # dlog r = 4 dy/y.
     y, weights, _ = gauss_unit(_NEAR_NODES)
@@ -561,7 +566,7 @@ def _kernels(
     speed = w.reshape(-1, 1, 1)
     line = far * special.i0e(speed * far)
     line_near = (close * special.i0e(speed[..., 0] * close)) @ weights
-    return at_nodes, below[..., None] + beyond, line, line_near
+    return _Kernels(at_nodes, below[..., None] + beyond, line, line_near)
 
 
 def _profile(q: Array, k: Array) -> Any:

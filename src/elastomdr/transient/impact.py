@@ -373,12 +373,17 @@ def _scene(
     )
 
 
-def _struck(
-    material: Any, shape: AbstractShape, many: bool, oblique: bool
-) -> tuple[Any, list[Foundation], bool, str]:
-    """The body over its elements, the foundations, whether they are per area, and the
-    model. Raises `InputError`.
-    """
+class _Struck(NamedTuple):
+    """What is struck."""
+
+    body: Any  # over its elements
+    foundations: list[Foundation]
+    per_area: bool
+    model: str
+
+
+def _struck(material: Any, shape: AbstractShape, many: bool, oblique: bool) -> _Struck:
+    """What there is to strike. Raises `InputError`."""
     if many and not material:
         raise InputError(
             "material must be a material or a list of them, got an empty list."
@@ -392,14 +397,15 @@ def _struck(
                 "normal impact is known."
             )
         struck, foundation = of_layer(material, shape)
-        return struck, [foundation], False, FINITE
+        return _Struck(struck, [foundation], False, FINITE)
     if many and any(isinstance(m, Layer) for m in material):
         raise InputError(
             "material must be one em.layer, not a list of them, in an impact."
         )
     foundations = [as_foundation(m) for m in (material if many else [material])]
     per_area = standing(foundations, shape)
-    return shape, foundations, per_area, LAYER if per_area else HALF_SPACE
+    model = LAYER if per_area else HALF_SPACE
+    return _Struck(shape, foundations, per_area, model)
 
 
 def _columns(

@@ -232,12 +232,18 @@ def _side_by_side(multiples: tuple[int, ...], impacts: int) -> ApproachGrid:
     )
 
 
+class _Approach(NamedTuple):
+    """From touch to the turn."""
+
+    turn: _Node
+    nodes: _Node  # after each step
+    lengths: Array  # of the steps
+    good: Array  # which impacts were solved
+
+
 def _approach(
     body: Striker, per_area: bool, start: _Node, grid: ApproachGrid
-) -> tuple[_Node, _Node, Array, Array]:
-    """From touch to the turn: the turn, the node after each step, step lengths, and
-    which impacts were solved.
-    """
+) -> _Approach:
 
     def after(body: Striker, node: _Node, log_h: Array, speed: Array) -> _Node:
         h = xp.exp(log_h)
@@ -280,7 +286,7 @@ def _approach(
         last=xp.zeros(grid.kept.shape), shown=xp.zeros(grid.kept.shape)
     )
     (turn, _, _, good), (nodes, lengths) = scan(step, carry, steps)
-    return turn, nodes, lengths, good
+    return _Approach(turn, nodes, lengths, good)
 
 
 def _first_step(body: Striker, per_area: bool, grid: ApproachGrid) -> Array:
