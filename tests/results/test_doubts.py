@@ -259,16 +259,6 @@ def test_masks_exist_under_jit():
     assert kinds(found.doubts) == kinds(plain.doubts)
 
 
-def test_what_did_not_converge_is_a_doubt():
-    curve = no_prediction()
-    failed: Any = dataclasses.replace(
-        curve, converged=np.array([True, False, True, True, True])
-    )
-    np.testing.assert_array_equal(
-        points(failed.doubts, "not converged"), ~failed.converged
-    )
-
-
 def test_doubts_are_equal_by_value():
     one, other = (em.Doubt("bound", np.array([True, False])) for _ in range(2))
     assert one == other
