@@ -668,9 +668,13 @@ def _directed(
     scene: SteadyScene, surface: AbstractSpectrum, model: SurfaceModel
 ) -> Directed | None:
     """The direction of sliding at each point, where one is given and matters."""
-    if scene.direction is None or not (lay_of(surface) or model.on_map(surface)):
+    lay = lay_of(surface)
+    if scene.direction is None or not (lay or model.on_map(surface)):
         return None
-    return Directed(lay_of(surface), scene.full(scene.direction).ravel())
+    closed = not (scene.traced or model.samples_directions)
+    if lay and closed and not np.any(lay.log_peklenik):
+        return None  # of a Peklenik number of 1 nothing depends on it
+    return Directed(lay, scene.full(scene.direction).ravel())
 
 
 def _turned(scene: SteadyScene, model: SurfaceModel, answer: _Answer) -> _Turned:
