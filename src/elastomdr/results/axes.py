@@ -105,10 +105,6 @@ class Peak(NamedTuple):
     y: float
     inside: bool  # False at an end of the curve, where the true peak may lie beyond
 
-    @property
-    def kind(self) -> str:
-        return "peak" if self.inside else "largest"
-
 
 def peak(x: np.ndarray, y: np.ndarray) -> Peak | None:
     """The peak of a curve with ascending x, over the points that are known; None where

@@ -583,8 +583,11 @@ class Result:
             return said
         if not np.isfinite(bound).any():
             return f"no bound on the model; {said}"
-        of = " of the value" if self.relative_bound else ""
-        return f"{said}; bound on the model: {span(bound)}{of}"
+        if np.all(bound == 0):
+            return f"{said}; the model is exact"
+        if self.relative_bound:
+            return f"{said}; bound on the model: {span(100 * bound, '%')} of the value"
+        return f"{said}; bound on the model: {span(bound)}"
 
     def _rests_on(self, i: int) -> Iterator[str]:
         """Material and model, in short, and what the band of a point leaves out."""

@@ -97,7 +97,6 @@ class Panels(NamedTuple):
     rows: int
     columns: int = 1
     heights: Sequence[float] | None = None
-    widths: Sequence[float] | None = None
     same_x: bool = False
 
 
@@ -540,7 +539,7 @@ def _new_canvas(style: Style, panels: Panels | None) -> Canvas:
     import matplotlib
     from matplotlib.figure import Figure
 
-    rows, columns, heights, widths, same_x = panels or Panels(1)
+    rows, columns, heights, same_x = panels or Panels(1)
     settings: dict = {**style.settings, "font.size": style.text}
     with matplotlib.rc_context(settings):
         size = style.size if panels is None else style.panels
@@ -550,7 +549,6 @@ def _new_canvas(style: Style, panels: Panels | None) -> Canvas:
             squeeze=False,
             sharex=same_x,
             height_ratios=heights,
-            width_ratios=widths,
         )
     canvas = Canvas(style, own_figure=True, foreign=False, panels=list(grid.flat))
     for ax in canvas.panels:
