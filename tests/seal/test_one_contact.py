@@ -50,6 +50,38 @@ def test_real_contact_is_the_same_in_every_verb(kind):
         assert leaks.area_ratio == pytest.approx(float(rests.area_ratio), rel=2e-4)
 
 
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("kind", ["elastic", "softens"])
+@pytest.mark.parametrize("lay", [False, True])
+def test_lay_skewness_and_softening_are_in_every_contact(kind, lay):
+    """Of a measured surface, worn and ground: friction of an elastic body in any
+    direction has the contact and the bound of break-out, leak the contact.
+    """
+    road = em.SelfAffine(0.8, rms_slope=0.4, q_low=1e3, q_high=1e4)
+    heights, side = rough_map(road, 2, periods=4, points=160)
+    worn = np.minimum(heights, 0.7 * heights.std())
+    worn = np.repeat(worn, 2, axis=0)[:160] if lay else worn
+    surface = em.read_surface(worn, pixel_size=side / 160)
+    assert (surface.lay is not None) == lay
+    assert surface.skewness < -0.5
+    softening = SOFTENING if kind == "softens" else None
+    solid = em.Prony(1e6, [], [], softening=softening)
+    shear = em.AdhesiveShear(1e4, 1.0, 0.0)
+    rests = em.break_out(solid, surface, pressure=1e5, boundary_shear=1e4)
+    for direction in (None, 0.0, np.pi / 2):
+        slides = em.friction(
+            solid, surface, velocity=1.0, pressure=1e5, adhesion=shear,
+            direction=direction,
+        )  # fmt: skip
+        assert slides.area_ratio == pytest.approx(float(rests.area_ratio), rel=1e-6)
+        bound = slides.model_error / slides.adhesion
+        assert bound == pytest.approx(float(rests.model_error / rests.mu), rel=1e-2)
+    leaks = em.leak(
+        solid, surface, pressure=1e5, pressure_drop=1.0, viscosity=1e-3, length=1e-3
+    )
+    assert leaks.area_ratio == pytest.approx(float(rests.area_ratio), rel=2e-4)
+
+
 def test_softening_makes_more_contact_and_a_wider_bound():
     """Contact of rubber that is softer by up to f; its strain is known within a factor."""
     scene = {"pressure": [5e4, 3e5], "boundary_shear": 1e4}

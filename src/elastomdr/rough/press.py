@@ -109,7 +109,8 @@ def press(
     Returns:
         An `em.RoughContact`. `error` is twice the standard error over the lines, NaN
         for a single one. `model_error` is NaN outside the range of loads and cutoffs in
-        which lines were compared with three dimensions.
+        which lines were compared with three dimensions, on measured surfaces, and of a
+        material with a softening, which lines do not follow.
 
     Raises:
         InputError: for arguments out of range, and in sliding where JAX traces them.

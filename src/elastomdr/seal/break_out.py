@@ -162,9 +162,10 @@ def break_out(
         InputError: for arguments out of range, and models without a real contact.
 
     A model: the real contact, by `model`, and a stress that does not depend on pressure
-    and dwell. A bound from above: all of the contact bears the largest stress at once.
-    Not counted: hysteresis; the interlocking that `em.slide` finds on a line estimates
-    it from above. Differentiable. Source: `docs/seal.md`.
+    and dwell. A softening of the material is followed as by `em.friction`, at half of the
+    rms slope of each length scale. A bound from above: all of the contact bears the
+    largest stress at once. Not counted: hysteresis; the interlocking that `em.slide`
+    finds on a line estimates it from above. Differentiable. Source: `docs/seal.md`.
     """
     solid: Any = material  # `over_materials` has taken a list apart
     foundation = resting_body(solid, time)

@@ -410,6 +410,7 @@ def leak(
             the pressure, and models that have no leak or no derivatives.
 
     The fluid carries its share: where it has the pressure p_f, contact bears p - p_f.
+    A softening of the material is followed as in `em.break_out`, but by `em.HalfSpace`.
     Laminar flow, without capillary forces, swelling and permeation through the rubber.
     A gas slips by an estimate, 1 + 6 Kn, which `model_error` counts in full; by
     `em.HalfSpace` it slips in each gap by itself. `model_error` is NaN above a Knudsen
