@@ -253,12 +253,9 @@ def representable(name: str, value: Any) -> None:
 
 def ascending(name: str, values: Any) -> None:
     """Raises `InputError` unless a list rises from entry to entry without repeats."""
-    if is_traced(values) or np.size(values) < 2:
-        return
-    values = np.asarray(values)
-    rises = np.diff(values) > 0
-    if not rises.all():
-        i = int(np.argmin(rises))
+    if not possible(lambda x: (np.diff(x) > 0).all(), values):
+        values = np.asarray(values)
+        i = int(np.argmin(np.diff(values) > 0))
         raise InputError(
             f"{name} must be ascending, without repeats, got {values[i]:g} followed "
             f"by {values[i + 1]:g} (entries {i} and {i + 1})."

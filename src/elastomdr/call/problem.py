@@ -124,7 +124,7 @@ def steady_scene(
     points = {"velocity": velocity, name: value, "temperature": temperature}
     shape = broadcast_shape({**points, "direction": direction})
     factor, vertical = thermal_factors(foundation, temperature)
-    if temperature is not None and not is_traced(velocity, factor):
+    if temperature is not None:
         _check_shift(temperature, velocity, factor)
     traced = is_traced(foundation, body, velocity, value, temperature, direction)
     scene = SteadyScene(
@@ -180,18 +180,22 @@ def check_carries(foundation: Any) -> None:
 
 
 def _check_shift(temperature: Array, velocity: Array, factor: Array | float) -> None:
+    def lost(velocity: Array, factor: Array | float) -> Array:
+        reduced = velocity * factor
+        return ~((reduced > 1 / _FASTEST) & (reduced < _FASTEST))
+
     with np.errstate(over="ignore", invalid="ignore"):
-        temperature, reduced = np.broadcast_arrays(
-            temperature, velocity * np.asarray(factor)
+        if possible(lambda *x: not lost(*x).any(), velocity, factor):
+            return
+        temperature, reduced, bad = np.broadcast_arrays(
+            temperature, velocity * factor, lost(velocity, factor)
         )
-        bad = ~((reduced > 1 / _FASTEST) & (reduced < _FASTEST))
-    if bad.any():
-        raise InputError(
-            f"temperature must keep the velocity times a_T between {1 / _FASTEST:g} "
-            f"and {_FASTEST:g} m/s, got {float(temperature[bad].flat[0]):g} K with v a_T = "
-            f"{float(reduced[bad].flat[0]):.3g} m/s: too far from where "
-            "the shift law was measured."
-        )
+    raise InputError(
+        f"temperature must keep the velocity times a_T between {1 / _FASTEST:g} "
+        f"and {_FASTEST:g} m/s, got {float(temperature[bad].flat[0]):g} K with v a_T = "
+        f"{float(reduced[bad].flat[0]):.3g} m/s: too far from where "
+        "the shift law was measured."
+    )
 
 
 def hint_at_metres(shape: object) -> None:

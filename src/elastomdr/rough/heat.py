@@ -25,6 +25,7 @@ from ..checks import (
     scalar,
 )
 from ..errors import InputError
+from ..results.words import brief
 from ..trees import Tree, fill
 
 if TYPE_CHECKING:
@@ -98,12 +99,11 @@ class Heat(Tree):
         """In one line; with the longest wave of a surface [m] also when the spots of
         the road are steady.
         """
-        if is_traced(self):
-            return "conduction"
 
         def of(one: Scalar, other: Scalar) -> str:
             return (
-                f"conductivity {one:.4g} W/(m K), heat capacity {other:.4g} J/(m^3 K)"
+                f"conductivity {brief(one, 'W/(m K)')}, "
+                f"heat capacity {brief(other, 'J/(m^3 K)')}"
             )
 
         sentence = of(self.conductivity, self.heat_capacity)

@@ -385,10 +385,10 @@ def _averages_at(
 ) -> tuple[Averages, Averages, Any]:
     """The averages at the first two q, and how much stiffer contacts are at the third.
 
-    Where JAX traces the moduli, those of all three are taken at once, since they are
-    most of a program that takes seconds to compile.
+    Without tables, while JAX traces, those of all three are taken at once, since moduli
+    are most of a program that takes seconds to compile.
     """
-    if isinstance(moduli, Tables) or not is_traced(moduli, speeds, q, local):
+    if isinstance(moduli, Tables):
         on, after = (averages_of(moduli, speeds, x, local, finer) for x in q[:2])
         return on, after, _stiffer(moduli, speeds, q[2], local, finer)
     whole = xp.concatenate([x.reshape(-1) for x in q])[:, None]
@@ -564,7 +564,7 @@ def table_error(model: WaveByWave, problem: RoadProblem, mu: Array) -> Any:
     halves, which one level of cells gives well enough; 0 for a series.
     """
     foundation = problem.foundation
-    if not isinstance(foundation, TabulatedFoundation) or is_traced(foundation):
+    if not isinstance(foundation, TabulatedFoundation):
         return 0.0
     change = np.zeros_like(mu)
     for half in foundation.thinned():
