@@ -529,7 +529,7 @@ def _depth_waves(wave_nodes: Nodes, count: int) -> tuple[Any, Any]:
     return k, k * (xp.log(k[1] / k[0]) * trapezoid + below)
 
 
-class _Kernels(NamedTuple):
+class _HeatKernels(NamedTuple):
     """As `Conduction` has them."""
 
     kernel: Any
@@ -540,7 +540,7 @@ class _Kernels(NamedTuple):
 
 def _kernels(
     wave_nodes: Nodes, w: Array, k: Array, cell: Array, place: Array
-) -> _Kernels:
+) -> _HeatKernels:
     """Those for each w = v/2D."""
     # Below half the shortest wave r goes with the fourth power of Gauss' nodes: over
     # dlog r = 4 dy/y.
@@ -566,7 +566,7 @@ def _kernels(
     speed = w.reshape(-1, 1, 1)
     line = far * special.i0e(speed * far)
     line_near = (close * special.i0e(speed[..., 0] * close)) @ weights
-    return _Kernels(at_nodes, below[..., None] + beyond, line, line_near)
+    return _HeatKernels(at_nodes, below[..., None] + beyond, line, line_near)
 
 
 def _profile(q: Array, k: Array) -> Any:
