@@ -406,6 +406,9 @@ def main() -> None:
         help="of --cells: of this slope and below 1 %% contact",
     )
     options.add_argument(
+        "--ratio", type=int, choices=RATIOS, help="scenes of this cutoff ratio alone"
+    )
+    options.add_argument(
         "--patience", type=float, default=240.0, help="seconds for one contact"
     )
     options.add_argument("--file", type=Path, default=FILE)
@@ -430,7 +433,7 @@ def main() -> None:
             if asked.cells
             else draw(rng, asked.largest, asked.light)
         )
-        if scene is None:
+        if scene is None or (asked.ratio and scene["ratio"] != asked.ratio):
             continue
         start = time.process_time()
         solved = solve(scene, rng, patience=asked.patience)
