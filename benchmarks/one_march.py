@@ -1,14 +1,13 @@
-"""What would the marches of `elastomdr.transient` cost, were their loop diffrax's?
+"""What do the compiled marches of `elastomdr.transient` cost, by diffrax and by a bare
+loop?
 
     python benchmarks/one_march.py
 
-`elastomdr.transient.march.march` is the loop of sliding and driven bodies, tangential
-loading, falling loads and oblique impact. Here `diffrax.diffeqsolve` takes its place:
-64 contact steps are a step of the solver, as with `em.ContactStep(samples=64)`, its
-`SaveAt` keeps what is seen at their ends, and its default adjoint gives the gradient.
-Both make the same steps and must give the same numbers. Each figure is from a process
-of its own, without compiled code from before, in processor seconds on one core; the
-ways take turns. `numpy` is the same loop on NumPy, as small problems take it.
+Large problems of sliding and driven bodies and falling loads are one `diffrax.diffeqsolve` of blocks of 64 contact steps
+(`elastomdr.element.contact_step_solver.in_blocks`). Here `jax.lax.scan` takes its
+place: it makes the same steps and must give the same numbers. Each figure is from a
+process of its own, without compiled code from before, in processor seconds on one core;
+the ways take turns. `numpy` is the same march on NumPy, as small problems take it.
 """
 
 import json
@@ -16,23 +15,23 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from common import heading, one_core, save, table, timed, verdict
 
-SCENES = ("slide", "drive", "shear")
-WAYS = ("numpy", "compiled", "diffrax")
+SCENES = ("slide", "drive")
+WAYS = ("numpy", "scan", "diffrax")
 TURNS = 3
 INSTANTS = np.linspace(0.0, 0.02, 9)
 
 
 def main() -> None:
-    record = heading("One march, our loop and diffrax's", "processor seconds, one core")
+    record = heading("One march, by scan and by diffrax", "processor seconds, one core")
     rows = []
     for scene in SCENES:
         found = {way: measured(scene, way) for way in WAYS}
-        ours, theirs = found["compiled"], found["diffrax"]
+        ours, theirs = found["scan"], found["diffrax"]
         off = np.abs(np.subtract(ours["value"], theirs["value"])).max()
         rows += [
             (
@@ -52,7 +51,7 @@ def main() -> None:
         "way",
         "first number [s]",
         "warm [s]",
-        "warm over ours",
+        "warm over scan",
         "first gradient [s]",
         "warm gradient [s]",
         "difference",
@@ -67,9 +66,7 @@ def main() -> None:
 def measured(scene: str, way: str) -> dict[str, Any]:
     """First calls from a process of their own, the least of the warm ones."""
     found: dict[str, Any] = {}
-    # em.shear takes numbers alone
-    plain = way == "numpy" or scene == "shear"
-    for task in ("number",) if plain else ("number", "gradient"):
+    for task in ("number",) if way == "numpy" else ("number", "gradient"):
         command = [sys.executable, __file__, scene, way, task]
         environment = os.environ | {
             "JAX_ENABLE_X64": "1",
@@ -90,8 +87,8 @@ def child(scene: str, way: str, task: str) -> None:
 
     if way != "numpy":
         compile_all()
-    if way == "diffrax":
-        march_by_diffrax()
+    if way == "scan":
+        march_by_scan()
     ball = em.Sphere(0.01)
 
     def result(modulus: Any) -> Any:
@@ -101,21 +98,11 @@ def child(scene: str, way: str, task: str) -> None:
         if scene == "slide":
             one = em.slide(solid, ball, **given, position=place, **cut(modulus))
             return one.friction_force
-        if scene == "drive":
-            mount = em.Mount(0.1, 1e4, 1.0)
-            one = em.drive(
-                solid, ball, **given, position=place, tangential=mount, **cut(modulus)
-            )
-            return one.friction_force
-        one = em.shear(
-            solid,
-            ball,
-            **given,
-            displacement=1e-5 * np.sin(300 * INSTANTS),
-            friction=0.5,
-            tangential=solid,
+        mount = em.Mount(0.1, 1e4, 1.0)
+        one = em.drive(
+            solid, ball, **given, position=place, tangential=mount, **cut(modulus)
         )
-        return one.force
+        return one.friction_force
 
     def cut(modulus: Any) -> dict[str, Any]:
         traced = isinstance(modulus, jax.core.Tracer)
@@ -136,111 +123,21 @@ def child(scene: str, way: str, task: str) -> None:
 
 def compile_all() -> None:
     """As if every problem were so large that it is compiled."""
-    from elastomdr.transient import refinement, shear
+    from elastomdr.transient import refinement
 
-    refinement._PATIENCE = shear._MUCH = -1.0
+    refinement._PATIENCE = -1.0
 
 
-def march_by_diffrax() -> None:
-    """`diffrax.diffeqsolve` in place of the compiled loop."""
-    import diffrax
+def march_by_scan() -> None:
+    """`jax.lax.scan` in place of diffrax's loop."""
     import jax
-    import jax.numpy as jnp
 
-    from elastomdr.transient import march as module
+    from elastomdr.element import contact_step_solver as module
 
-    size = module._BLOCK
+    def in_scan(block: Callable[..., Any], start: Any, blocks: Any) -> tuple[Any, Any]:
+        return jax.lax.scan(block, start, blocks)
 
-    class Nothing(diffrax.AbstractTerm):
-        """The steps hold all that is prescribed."""
-
-        def vf(self, t: Any, y: Any, args: Any) -> Any:
-            return y
-
-        def contr(self, t0: Any, t1: Any, **kwargs: Any) -> Any:
-            return t1 - t0
-
-        def prod(self, vf: Any, control: Any) -> Any:
-            return vf
-
-    class Blocks(diffrax.AbstractSolver):
-        """A block of contact steps; time counts blocks."""
-
-        block: Callable[..., Any]
-        term_structure: ClassVar = diffrax.AbstractTerm
-        interpolation_cls: ClassVar[Any] = diffrax.LocalLinearInterpolation
-
-        def order(self, terms: Any) -> int:
-            return 2
-
-        def init(self, terms: Any, t0: Any, t1: Any, y0: Any, args: Any) -> None:
-            return None
-
-        def step(
-            self,
-            terms: Any,
-            t0: Any,
-            t1: Any,
-            y0: Any,
-            args: Any,
-            solver_state: None,
-            made_jump: Any,
-        ) -> Any:
-            number = jnp.round(t0).astype(int)
-            y1 = self.block(y0[0], jax.tree.map(lambda x: x[number], args))
-            ends = {"y0": y0, "y1": y1}
-            return y1, None, ends, None, diffrax.RESULTS.successful
-
-        def func(self, terms: Any, t0: Any, y0: Any, args: Any) -> Any:
-            return y0
-
-    def on_diffrax(
-        step: Any, look: Any, state: Any, steps: Any, instants: Any, prepare: Any
-    ) -> tuple[Any, Any]:
-        count = steps.h.shape[0]
-        steps = module.padded(steps, count)
-        filled = steps.h.shape[0]
-        is_seen = steps.h >= 0
-        if instants is not None:
-            is_seen = jnp.zeros(filled, bool).at[instants].set(True)
-
-        def one(state: Any, now: Any) -> tuple[Any, Any]:
-            state, details = step(state, now[0])
-            return state, module.if_so(now[1], look, state, details)
-
-        def block(state: Any, part: Any) -> tuple[Any, Any]:
-            given, is_seen = part
-            given = given._replace(h=jnp.where(given.h > 0, given.h, given.h[0]))
-            return jax.lax.scan(one, state, (prepare(given), is_seen))
-
-        blocks = jax.tree.map(
-            lambda x: jnp.reshape(x, (-1, size, *x.shape[1:])), (steps, is_seen)
-        )
-        first = jax.tree.map(lambda x: x[0], blocks)
-        none = module._zeros(lambda *x: block(*x)[1], state, first)
-        number = blocks[0].h.shape[0]
-        solution = diffrax.diffeqsolve(
-            Nothing(),
-            Blocks(block),
-            t0=0.0,
-            t1=jnp.sum(blocks[0].h[:, 0] > 0).astype(float),
-            dt0=1.0,
-            y0=(state, none),
-            args=blocks,
-            saveat=diffrax.SaveAt(
-                subs=[
-                    diffrax.SubSaveAt(steps=True, fn=lambda t, y, args: y[1]),
-                    diffrax.SubSaveAt(t1=True, fn=lambda t, y, args: y[0]),
-                ]
-            ),
-            max_steps=number,
-        )
-        seen, end = solution.ys
-        chosen = slice(count) if instants is None else instants
-        seen = jax.tree.map(lambda x: x.reshape(filled, *x.shape[2:])[chosen], seen)
-        return jax.tree.map(lambda x: x[-1], end), seen
-
-    module._on_jax = on_diffrax
+    module.in_blocks = in_scan
 
 
 if __name__ == "__main__":

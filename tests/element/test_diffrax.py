@@ -34,11 +34,8 @@ def test_samples_are_single_steps():
 def test_interface_to_diffrax():
     law, term = Foundation.kelvin(1.0, 0.1), RigidSurface(Waves(3))
     assert ContactStep().order(term) == 2
-    start, end = term.contr(0.1, 0.2)
-    np.testing.assert_array_equal(start, term.vf(0.1, None, None))
-    np.testing.assert_array_equal(end, Waves(3)(0.2))
-    with pytest.raises(InputError, match="solver must be ContactStep"):
-        term.prod(start, (start, end))
+    with pytest.raises(InputError, match="ContactStep for a RigidSurface"):
+        diffrax.diffeqsolve(term, diffrax.Heun(), 0.0, 1.0, 0.1, rest(law, 3), law)
     solution = solve(
         law,
         Waves(3),

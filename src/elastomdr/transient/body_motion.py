@@ -203,7 +203,7 @@ def _piece(
     scene: MotionScene,
     state: BodyMotion,
     steps: Steps,
-    instants: np.ndarray | None,
+    is_seen: np.ndarray | None,
     *,
     control: Control,
     viscous: bool,
@@ -223,7 +223,7 @@ def _piece(
     def look(y: BodyMotion, felt: tuple[Array, Array | None]) -> MotionHistory:
         return _history(scene, y, *felt)
 
-    return march(step, look, state, steps, instants, prepare)
+    return march(step, look, state, steps, is_seen, prepare)
 
 
 @compiled("viscous", "balance")

@@ -44,20 +44,19 @@ def march(
     look: Callable[[Any, Any], Any],
     start: Any,
     steps: Any,
-    instants: Array | None,
+    is_seen: Array | None,
     prepare: Callable[[Any], Any],
 ) -> tuple[Any, Any]:
-    """The state after all steps, and what is seen at the end of those at `instants`.
+    """The state after all steps, and what is seen at the end of each.
 
     `steps` is a named tuple of arrays, one entry a step; `prepare` adds to a block of
     them what its steps need, such as their coefficients. `step(state, now)` gives the
-    state at the end of a step and what `look(state, details)` needs besides.
-    `instants` ascend; None stands for all; or they are marked, step by step, and
-    compiled code then leaves zeros at the other steps. A block whose first step has no
-    length `h` is not made.
+    state at the end of a step and what `look(state, details)` needs besides. Where
+    steps are marked by `is_seen`, NumPy leaves the others out, and compiled code leaves
+    zeros there. A block whose first step has no length `h` is not made.
     """
     march_blocks = _on_numpy if on_numpy() else _on_jax
-    return march_blocks(step, look, start, steps, instants, prepare)
+    return march_blocks(step, look, start, steps, is_seen, prepare)
 
 
 def _on_numpy(
@@ -65,18 +64,15 @@ def _on_numpy(
     look: Callable[[Any, Any], Any],
     state: Any,
     steps: Any,
-    instants: Array | None,
+    is_seen: Array | None,
     prepare: Callable[[Any], Any],
 ) -> tuple[Any, Any]:
-    count = steps.h.shape[0]
-    is_seen = np.full(count, instants is None)
-    is_seen[slice(None) if instants is None else instants] = True
     seen = []
-    for first in range(0, count, _BLOCK):
+    for first in range(0, steps.h.shape[0], _BLOCK):
         block = tree_map(lambda x, i=first: x[i : i + _BLOCK], steps)
         for number, now in enumerate(entries(prepare(block)), first):
             state, details = step(state, now)
-            if is_seen[number]:
+            if is_seen is None or is_seen[number]:
                 seen.append(look(state, details))
     return state, tree_map(lambda *x: np.stack(x), *seen) if seen else None
 
@@ -89,17 +85,19 @@ def in_pieces(
     size: int,
     doing: str,
 ) -> tuple[Any, Any]:
-    """A `march` by `piece(state, steps, is_seen)`, the compiled march of some steps.
+    """A `march` by `piece(state, steps, is_seen)`, the compiled march of some steps,
+    and what is seen at the end of those at `instants`, which ascend, or of all.
 
     Between two pieces it is counted under `doing`, and can be interrupted, which
     compiled code cannot be. `size` is the work of a step: elements times branches.
     Under a transformation of JAX there is one piece, and so one derivative.
     """
     count = steps.h.shape[0]
-    if is_traced(state, steps) or not count:
-        return piece(state, steps, instants)
     is_seen = np.full(count, instants is None)
     is_seen[slice(None) if instants is None else instants] = True
+    if is_traced(state, steps) or not count:
+        state, looked = piece(state, steps, is_seen)
+        return state, tree_map(lambda x: x[is_seen], looked)
     length, numpy = _BLOCK, on_numpy()
     if not numpy:  # few lengths, since each is a program of its own
         blocks = max(1.0, _PIECE / (size * _BLOCK))
@@ -126,21 +124,21 @@ def _on_jax(
     look: Callable[[Any, Any], Any],
     state: Any,
     steps: Any,
-    instants: Array | None,
+    is_seen: Array | None,
     prepare: Callable[[Any], Any],
 ) -> tuple[Any, Any]:
+    """The same as one `diffrax.diffeqsolve`, a block of steps a step of its solver."""
     import jax
+
+    from ..element.contact_step_solver import in_blocks
 
     count = steps.h.shape[0]
     steps = padded(steps)
     filled = steps.h.shape[0]
-    marked = instants is not None and instants.dtype == np.bool_
     # which the compiler does not know to be always true
-    is_seen = steps.h >= 0
-    if marked:
-        is_seen = xp.append(instants, xp.zeros(filled - count, bool))
-    elif instants is not None:
-        is_seen = jax.numpy.zeros(filled, bool).at[instants].set(True)
+    marks = steps.h >= 0
+    if is_seen is not None:
+        marks = xp.append(is_seen, xp.zeros(filled - count, bool))
 
     def one(state: Any, now: Any) -> tuple[Any, Any]:
         state, details = step(state, now[0])
@@ -148,25 +146,23 @@ def _on_jax(
 
     @jax.checkpoint
     def block(state: Any, steps_and_seen: tuple[Any, Array]) -> tuple[Any, Any]:
-        def made(state: Any, steps: Any, is_seen: Array) -> tuple[Any, Any]:
-            # what the last block is filled up with goes on with its steps
-            steps = steps._replace(h=xp.where(steps.h > 0, steps.h, steps.h[0]))
-            return jax.lax.scan(one, state, (prepare(steps), is_seen))
-
-        def left_out(state: Any, *steps_and_seen: Any) -> tuple[Any, Any]:
-            return state, _zeros(lambda *x: made(*x)[1], state, *steps_and_seen)
-
-        return jax.lax.cond(
-            steps_and_seen[0].h[0] > 0, made, left_out, state, *steps_and_seen
-        )
+        steps, is_seen = steps_and_seen
+        # what the last block is filled up with goes on with its steps
+        steps = steps._replace(h=xp.where(steps.h > 0, steps.h, steps.h[0]))
+        return jax.lax.scan(one, state, (prepare(steps), is_seen))
 
     blocks = jax.tree.map(
-        lambda x: x.reshape(-1, _BLOCK, *x.shape[1:]), (steps, is_seen)
+        lambda x: xp.reshape(x, (-1, _BLOCK, *x.shape[1:])), (steps, marks)
     )
-    state, seen = jax.lax.scan(block, state, blocks)
-    seen = jax.tree.map(lambda x: x.reshape(filled, *x.shape[2:]), seen)
-    chosen = slice(count) if instants is None or marked else instants
-    return state, jax.tree.map(lambda x: x[chosen], seen)
+
+    def left_out(state: Any, *part: Any) -> tuple[Any, Any]:
+        return state, _zeros(lambda *x: block(*x)[1], state, *part)
+
+    def made(state: Any, part: tuple[Any, Array]) -> tuple[Any, Any]:
+        return jax.lax.cond(part[0].h[0] > 0, block, left_out, state, part)
+
+    state, seen = in_blocks(made, state, blocks)
+    return state, jax.tree.map(lambda x: x.reshape(filled, *x.shape[2:])[:count], seen)
 
 
 def padded(steps: Any, piece: int = 0) -> Any:

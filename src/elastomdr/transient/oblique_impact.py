@@ -320,7 +320,8 @@ def _deflect(
     start = (untouched(scene, grid), moved.velocity, xp.zeros(()))
     instants = steps * np.arange(1, course.time.shape[0]) - 1
     every = _steps(course, moved.mass, steps)
-    _, seen = march(advance, look, start, every, instants, prepare)
+    _, seen = march(advance, look, start, every, None, prepare)
+    seen = tree_map(lambda x: x[instants], seen)
     return tree_map(lambda a, b: xp.concatenate([a[None], b]), look(start, ()), seen)
 
 

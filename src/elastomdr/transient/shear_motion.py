@@ -171,7 +171,7 @@ def _piece(
     grid: HalfLine,
     state: ShearState,
     steps: ShearSteps,
-    instants: Array | None,
+    is_seen: Array | None,
     *,
     by_load: bool,
 ) -> tuple[ShearState, Sheared]:
@@ -192,7 +192,7 @@ def _piece(
     def look(state: ShearState, seen: tuple) -> Sheared:
         return _measured(grid, state, seen, by_load)
 
-    return march(advance, look, state, steps, instants, prepare)
+    return march(advance, look, state, steps, is_seen, prepare)
 
 
 @compiled("elements", "per_area")
