@@ -184,7 +184,6 @@ def large(monkeypatch):
         "impact_motion._FEW",
     ):
         monkeypatch.setattr(f"elastomdr.transient.{limit}", 0)
-    monkeypatch.setattr("elastomdr.transient.shear._MUCH", 0)
 
 
 @pytest.mark.parametrize("name", HISTORIES)

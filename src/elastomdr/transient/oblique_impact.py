@@ -21,9 +21,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, on_jax, tree_map, xp
+from ..arrays import tree_map
 from ..checks import Array, as_float64, finite, nan_unless, positive, require, scalar
-from ..element.contact_step import coefficients_of_steps
+from ..element.contact_step import Coefficients, coefficients
 from ..element.law import Foundation
 from ..errors import InputError
 from ..material.relaxation import Relaxation
@@ -35,7 +35,7 @@ from ..surface.shapes import AbstractShape, Cylinder, FlatPunch
 from .march import march
 from .problem import both_laws
 from .refinement import limit
-from .shear_motion import ShearScene, line, step, untouched
+from .shear_motion import ShearScene, ShearState, line, step, untouched
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from .impact_motion import Impacts
 
 _ELEMENTS, _STEPS = 500, 16  # over the radius, and between two instants
+_BODIES = 32  # marched together: their elements fit the processor's cache
 _MET = 1e-13  # relative change of a step's displacement at which its search ends
 
 
@@ -135,35 +136,43 @@ def check_oblique(
 
 
 class NormalImpact(NamedTuple):
-    """A normal impact at its instants."""
+    """Normal impacts at their instants."""
 
-    time: Float[Array, " instants"]
-    depth: Float[Array, " instants"]
-    velocity: Float[Array, " instants"]
-    force: Float[Array, " instants"]
+    time: Float[Array, "bodies instants"]
+    depth: Float[Array, "bodies instants"]
+    velocity: Float[Array, "bodies instants"]
+    force: Float[Array, "bodies instants"]
 
 
 class Displaced(NamedTuple):
     """What moves tangentially."""
 
-    mass: Array  # m [kg]
-    tangential_mass: Array  # m_t [kg]
-    velocity: Array  # u at touch [m/s]
+    mass: Float[Array, " bodies"]  # m [kg]
+    tangential_mass: Float[Array, " bodies"]  # m_t [kg]
+    velocity: Float[Array, " bodies"]  # u at touch [m/s]
 
 
 class Deflection(NamedTuple):
     """The tangential motion at the same instants."""
 
-    velocity: Float[Array, " instants"]  # u [m/s]
-    force: Float[Array, " instants"]  # F_x against the motion [N]
-    slip_loss: Float[Array, " instants"]  # turned into heat by slip [J]
+    velocity: Float[Array, "bodies instants"]  # u [m/s]
+    force: Float[Array, "bodies instants"]  # F_x against the motion [N]
+    slip_loss: Float[Array, "bodies instants"]  # turned into heat by slip [J]
 
 
 class ObliqueSteps(NamedTuple):
     """Contact steps."""
 
-    h: Float[Array, " steps"]  # [s]
-    depth: Float[Array, " steps"]  # at the end [m]
+    h: Float[Array, "steps bodies"]  # [s]
+    depth: Float[Array, "steps bodies"]  # at the end [m]
+
+
+class Striking(NamedTuple):
+    """Bodies that strike, with their laws, friction, reach and normal motion."""
+
+    scene: ShearScene
+    course: NormalImpact
+    moved: Displaced
 
 
 def solve_oblique(
@@ -178,30 +187,30 @@ def solve_oblique(
     """
     count = int(np.prod(scene.shape))
     mass, u, friction = (
-        xp.broadcast_to(xp.asarray(field), scene.shape).reshape(-1)
+        np.broadcast_to(field, scene.shape).reshape(-1)
         for field in (scene.mass, slips.velocity, slips.friction)
     )
     moved = Displaced(mass, _tangential_mass(shape, mass, slips.inertia), u)
     fields = (history.time, history.depth, history.velocity, history.force)
-    course = NormalImpact(*(xp.asarray(field).reshape(count, -1) for field in fields))
+    course = NormalImpact(*(np.reshape(field, (count, -1)) for field in fields))
+    reach = _reach(shape, scene.per_area, np.asarray(normal_impact.motion.max_depth))
     laws = _laws(slips, scene, count)
-    reach = _reach(shape, scene.per_area, xp.asarray(normal_impact.motion.max_depth))
-
-    points = laws, friction, reach, course, moved
+    bodies = Striking(ShearScene(shape, *laws, friction, reach), course, moved)
+    parts = [_select(bodies, slice(i, i + _BODIES)) for i in range(0, count, _BODIES)]
 
     def marched(finer: int) -> Deflection:
-        cut = {"elements": _ELEMENTS * finer // 2, "steps": _STEPS * finer // 2}
-        return on_jax(_deflect_each, shape, points, **cut, per_area=scene.per_area)
+        elements, steps = _ELEMENTS * finer // 2, _STEPS * finer // 2
+        found = [_deflect(part, elements, steps, scene.per_area) for part in parts]
+        return tree_map(lambda *x: np.concatenate(x), *found)
 
     coarse, fine = marched(1), marched(2)
     # Where nothing slips until it lets go the scheme is of first order, else of second.
     best = limit((coarse, fine), (2,))
     after = best.velocity[:, -1]
-    order = xp.where(xp.isinf(friction), 2, 1)
-    error = order * xp.abs(after - coarse.velocity[:, -1]) * 0.75
-    good = xp.asarray(normal_impact.converged & ~normal_impact.stuck) & xp.isfinite(
-        after
-    )
+    order = np.where(np.isinf(friction), 2, 1)
+    error = order * np.abs(after - coarse.velocity[:, -1]) * 0.75
+    known = normal_impact.converged & ~normal_impact.stuck
+    good = np.asarray(known) & np.isfinite(after)
 
     def shaped(field: Array) -> Any:
         field = nan_unless(good.reshape(-1, *[1] * (field.ndim - 1)), field)
@@ -215,8 +224,25 @@ def solve_oblique(
         velocity=shaped(best.velocity),
         force=shaped(best.force),
         error=shaped(error),
-        model_error=xp.full(scene.shape, xp.nan),
+        model_error=np.full(scene.shape, np.nan),
         tangential_mass=moved.tangential_mass.reshape(scene.shape),
+    )
+
+
+def _select(bodies: Striking, chosen: slice) -> Striking:
+    """Some of the bodies."""
+    scene, course, moved = bodies
+
+    def of_law(law: Relaxation) -> Relaxation:
+        parts = law.equilibrium, law.moduli, law.times, law.viscosity
+        return Relaxation(*(x[..., chosen] for x in parts))
+
+    laws = of_law(scene.normal), of_law(scene.tangential)
+    friction, reach = scene.friction[chosen], scene.reach[chosen]
+    return Striking(
+        ShearScene(scene.shape, *laws, friction[:, None], reach),
+        NormalImpact(*(x[chosen] for x in course)),
+        Displaced(*(x[chosen] for x in moved)),
     )
 
 
@@ -224,131 +250,130 @@ def _tangential_mass(shape: AbstractShape, mass: Array, inertia: Array | None) -
     """m_t: 1/m_t = 1/m + R^2/I, by default of a homogeneous ball or cylinder."""
     lever = shape.rolling_radius
     if lever is None:
-        return 1 / (1 / mass)
+        return mass
     share = 0.5 if isinstance(shape, Cylinder) else 0.4  # I/(m R^2)
     rotation = 1 / (share * mass) if inertia is None else lever**2 / inertia
     return 1 / (1 / mass + rotation)
 
 
 def _laws(slips: Slips, scene: Any, count: int) -> tuple[Relaxation, Relaxation]:
-    """E* and G* of each point, at its temperature, points along the first axis."""
-    body = tree_map(xp.asarray, scene.body)
+    """E* and G* of each body, at its temperature, bodies along the last axis."""
     rates, moduli, viscosity = (
-        xp.broadcast_to(x, (*x.shape[:-1], count)).T
-        for x in (body.rates, body.moduli, body.viscosity)
+        np.broadcast_to(x, (*np.shape(x)[:-1], count))
+        for x in (scene.body.rates, scene.body.moduli, scene.body.viscosity)
     )
-    times = 1 / xp.where(rates > 0, rates, 1.0)
-    normal = Relaxation(moduli[:, 0], moduli[:, 1:], times[:, 1:], viscosity)
+    times = 1 / np.where(rates > 0, rates, 1.0)
+    normal = Relaxation(moduli[0], moduli[1:], times[1:], viscosity)
     law, foundation = slips.tangential.law(), slips.tangential
-    factor, vertical = xp.ones((count, 1)), xp.ones((count, 1))
+    factor = vertical = np.ones(count)
     shifted = foundation.shift is not None or foundation.vertical is not None
     if scene.temperature is not None and shifted:
         factor, vertical = (
-            xp.broadcast_to(xp.asarray(x), scene.shape).reshape(-1, 1)
+            np.broadcast_to(x, scene.shape).reshape(-1)
             for x in thermal_factors(foundation, scene.temperature)
         )
     tangential = Relaxation(
-        (law.equilibrium * vertical)[:, 0],
-        xp.asarray(law.moduli) * vertical,
-        xp.asarray(law.times) * factor,
-        (law.viscosity * factor * vertical)[:, 0],
+        law.equilibrium * vertical,
+        np.asarray(law.moduli)[:, None] * vertical,
+        np.asarray(law.times)[:, None] * factor,
+        law.viscosity * factor * vertical,
     )
     return normal, tangential
 
 
 def _reach(shape: AbstractShape, per_area: bool, deepest: Array) -> Array:
-    """A radius [m] that the contact of each point does not exceed."""
+    """A radius [m] that the contact of each body does not exceed."""
     disc = disc_under(shape, per_area)
-    reach = disc.radius_of_depth(xp.where(deepest > 0, deepest, 1e-9))
+    reach = disc.radius_of_depth(np.where(deepest > 0, deepest, 1e-9))
     if not isinstance(shape, FlatPunch):
         reach = reach * (1 + 2 / _ELEMENTS)
-    return xp.minimum(reach, xp.asarray(shape.largest_contact) * (1 - 1e-12))
+    return np.minimum(reach, np.asarray(shape.largest_contact) * (1 - 1e-12))
 
 
-@compiled("elements", "steps", "per_area")
-def _deflect_each(
-    shape: AbstractShape,
-    points: tuple,
-    *,
-    elements: int,
-    steps: int,
-    per_area: bool,
-) -> Deflection:
-    """`_deflect` of each point: laws, friction, reach, course and motion, with points
-    along the first axis. On JAX.
-    """
-    import jax
-
-    def one(point: tuple) -> Deflection:
-        (normal, tangential), friction, reach, course, moved = point
-        scene = ShearScene(shape, normal, tangential, friction, reach)
-        cut = {"elements": elements, "steps": steps}
-        return _deflect(scene, course, moved, **cut, per_area=per_area)
-
-    return jax.lax.map(one, points)
-
-
-def _deflect(
-    scene: ShearScene,
-    course: NormalImpact,
-    moved: Displaced,
-    *,
-    elements: int,
-    steps: int,
-    per_area: bool,
-) -> Deflection:
+def _deflect(bodies: Striking, elements: int, steps: int, per_area: bool) -> Deflection:
     """The tangential motion, with `steps` contact steps between two instants."""
+    scene, course, moved = bodies
     grid = line(scene, elements, per_area)
-    laws = scene.normal, scene.tangential
 
-    def prepare(block: ObliqueSteps) -> tuple[Any, ...]:
-        return block, *(coefficients_of_steps(law, block.h) for law in laws)
+    def prepare(block: ObliqueSteps) -> tuple[ObliqueSteps, Coefficients, Coefficients]:
+        laws = scene.normal, scene.tangential
+        normal, tangential = (_coefficients(law, block.h) for law in laws)
+        return block, normal, tangential
 
-    def advance(carry: tuple, now: tuple) -> tuple[tuple, tuple]:
-        (state, speed, force), (end, normal, tangential) = carry, now
+    def advance(
+        sliding: _Sliding, now: tuple[ObliqueSteps, Coefficients, Coefficients]
+    ) -> tuple[_Sliding, None]:
+        (state, speed, force), (end, cn, ct) = sliding, now
         free, compliance = speed * end.h, 0.25 * end.h**2 / moved.tangential_mass
         slide = functools.partial(_displacement, free, force, compliance)
-        state, ((after, *_), _) = step(
-            scene, grid, normal, tangential, state, end.depth, slide, False
-        )
-        speed = speed - 0.5 * end.h * (force + after) / moved.tangential_mass
-        return (state, speed, after), ()
+        state, felt = step(scene, grid, cn, ct, state, end.depth, slide, False)
+        speed = speed - 0.5 * end.h * (force + felt.force) / moved.tangential_mass
+        return _Sliding(state, speed, felt.force), None
 
-    def look(carry: tuple, _: tuple) -> Deflection:
-        return Deflection(carry[1], carry[2], carry[0].slip_loss)
+    def look(sliding: _Sliding, _: None) -> Deflection:
+        return Deflection(sliding.speed, sliding.force, sliding.state.slip_loss)
 
-    start = (untouched(scene, grid), moved.velocity, xp.zeros(()))
-    instants = steps * np.arange(1, course.time.shape[0]) - 1
+    start = _Sliding(untouched(scene, grid), moved.velocity, 0 * moved.velocity)
     every = _steps(course, moved.mass, steps)
-    _, seen = march(advance, look, start, every, None, prepare)
-    seen = tree_map(lambda x: x[instants], seen)
-    return tree_map(lambda a, b: xp.concatenate([a[None], b]), look(start, ()), seen)
+    is_seen = np.arange(1, len(every.h) + 1) % steps == 0
+    _, seen = march(advance, look, start, every, is_seen, prepare)
+    return tree_map(
+        lambda a, b: np.concatenate([a[None], b]).T, look(start, None), seen
+    )
+
+
+class _Sliding(NamedTuple):
+    """Elements and bodies at one instant."""
+
+    state: ShearState
+    speed: Array
+    force: Array
+
+
+def _coefficients(law: Relaxation, h: Float[Array, "steps bodies"]) -> Coefficients:
+    """Of a block of steps, each body with its law: steps first, and a last axis for the
+    elements.
+    """
+    steps = h.shape[0]
+
+    def again(x: Array) -> Array:
+        return np.tile(x, steps)
+
+    parts = law.equilibrium, law.moduli, law.times, law.viscosity
+    found = coefficients(Relaxation(*map(again, parts)), h.reshape(-1))
+
+    def apart(x: np.ndarray) -> Array:
+        return np.moveaxis(x.reshape(*x.shape[:-1], *h.shape), -2, 0)[..., None]
+
+    return tree_map(apart, found)
 
 
 def _steps(course: NormalImpact, mass: Array, steps: int) -> ObliqueSteps:
     """The depth between the instants: the quintic from depth, velocity and acceleration
     at both ends.
     """
-    span = xp.diff(course.time)[:, None]
-    depth, velocity, force = (x[:, None] for x in course[1:])
-    bend = -(span**2) / mass
-    p0, p1, v0, v1 = depth[:-1], depth[1:], span * velocity[:-1], span * velocity[1:]
-    a0, a1 = bend * force[:-1], bend * force[1:]
+    span = np.diff(course.time)[..., None]
+    depth, velocity, force = (x[..., None] for x in course[1:])
+    bend = -(span**2) / mass[:, None, None]
+    p0, p1 = depth[:, :-1], depth[:, 1:]
+    v0, v1 = span * velocity[:, :-1], span * velocity[:, 1:]
+    a0, a1 = bend * force[:, :-1], bend * force[:, 1:]
     rise = p1 - p0 - v0 - 0.5 * a0
     slope, bend = v1 - v0 - a0, a1 - a0
     cubic = 10 * rise - 4 * slope + 0.5 * bend
     quartic = -15 * rise + 7 * slope - bend
     quint = 6 * rise - 3 * slope + 0.5 * bend
-    s = xp.arange(1, steps + 1) / steps
+    s = np.arange(1, steps + 1) / steps
     ends = p0 + s * (v0 + s * (0.5 * a0 + s * (cubic + s * (quartic + s * quint))))
-    return ObliqueSteps(xp.repeat(span[:, 0] / steps, steps), ends.reshape(-1))
+    h = np.repeat(span[..., 0] / steps, steps, axis=1)
+    return ObliqueSteps(h.T, ends.reshape(h.shape).T)
 
 
 def _displacement(
     free: Array, before: Array, compliance: Array, force: Callable[[Array], Array]
 ) -> Array:
     """x with x = free - compliance (F_before + F(x)); F rises in straight pieces."""
-    scale = xp.abs(free) + compliance * xp.abs(before) + 1e-300
+    scale = np.abs(free) + compliance * np.abs(before) + 1e-300
 
     def residual(scaled: Array) -> Array:
         return scaled + (compliance * (before + force(scale * scaled)) - free) / scale

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import arrays, on_jax, on_numpy, tree_map
+from ..arrays import tree_map
 from ..call.problem import doubt_depth
 from ..call.several_materials import over_materials
 from ..checks import (
     Array,
     as_float64,
     finite,
-    known,
     nan_unless,
     not_negative,
     numpy_unless_traced,
@@ -57,9 +56,6 @@ _EDGES = 1e-11
 _ROUNDING = 1e-14
 # parts between two instants under a load that changes, at most, and instants with them
 _BETWEEN, _INSTANTS = 64, 512
-# elements times steps times branches that NumPy takes 3 s for; compiled they take 1 s,
-# after 5 s of compiling
-_MUCH = 1e8
 # elements, and contact steps between two instants
 _ELASTIC, _VISCOELASTIC = (200_000, 1), (2_000, 16)
 
@@ -302,17 +298,8 @@ def _marched(
     scene: ShearScene, history: Prescribed, cut: _Cut, elements: int, steps: int
 ) -> Sheared:
     """The history of `elements` equal elements, in `steps` between two instants."""
-    branches = max(law.moduli.shape[0] for law in (scene.normal, scene.tangential))
-    work = elements * cut.steps * history.time.shape[0] * (1 + branches)
-
-    def by_elements() -> Sheared:
-        place, course = arrays((scene, history))
-        grid = line(place, elements, cut.per_area)
-        return known(
-            shear_history(place, course, grid, steps=steps, by_load=cut.by_load)
-        )
-
-    return on_jax(by_elements) if on_numpy() and work > _MUCH else by_elements()
+    grid = line(scene, elements, cut.per_area)
+    return shear_history(scene, history, grid, steps=steps, by_load=cut.by_load)
 
 
 def _summed(
@@ -331,7 +318,7 @@ def _summed(
         for parts, nodes in ((4, 6), (6, 4))
     ]
     best, other = (
-        known(shear_history(scene, history, rule, steps=1, by_load=cut.by_load))
+        shear_history(scene, history, rule, steps=1, by_load=cut.by_load)
         for rule in rules
     )
     best = best._replace(

@@ -27,12 +27,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, scan, tree_map, xp
-from ..checks import Array, argmax
+from ..arrays import tree_map
+from ..checks import Array
 from ..element.contact_step import (
     Coefficients,
     Pressed,
@@ -136,73 +136,42 @@ def shear_history(
     two instants.
     """
     steps_of_history, instants = cut(history, steps)
-    put = history.value[0], history.displacement[0]
-    start, first = _begin(scene, grid, *put, by_load=by_load)
-
-    def piece(
-        state: ShearState, now: ShearSteps, is_seen: Array | None
-    ) -> tuple[ShearState, Sheared]:
-        return _piece(scene, grid, state, now, is_seen, by_load=by_load)
-
     laws = scene.normal, scene.tangential
-    branches = sum(law.moduli.shape[0] + OF_AN_ELEMENT for law in laws)
-    size, doing = grid.x.shape[0] * branches, "stick and slip"
-    _, later = in_pieces(piece, start, steps_of_history, instants, size, doing)
-    return tree_map(lambda a, b: xp.concatenate([a[None], b]), first, later)
-
-
-@compiled("by_load")
-def _begin(
-    scene: ShearScene,
-    grid: HalfLine,
-    value: Array,
-    displacement: Array,
-    *,
-    by_load: bool,
-) -> tuple[ShearState, Sheared]:
-    """The elements after the first instant, and what is seen then."""
-    state, seen = _start(scene, grid, value, displacement, by_load)
-    return state, _measured(grid, state, seen, by_load)
-
-
-@compiled("by_load")
-def _piece(
-    scene: ShearScene,
-    grid: HalfLine,
-    state: ShearState,
-    steps: ShearSteps,
-    is_seen: Array | None,
-    *,
-    by_load: bool,
-) -> tuple[ShearState, Sheared]:
-    """Some steps of the history."""
+    put = history.value[0], history.displacement[0]
+    start, felt = _start(scene, grid, *put, by_load)
+    first = _measured(grid, start, felt, by_load)
 
     def prepare(block: ShearSteps) -> tuple[ShearSteps, Coefficients, Coefficients]:
-        laws = scene.normal, scene.tangential
         normal, tangential = (coefficients_of_steps(law, block.h) for law in laws)
         return block, normal, tangential
 
     def advance(
         state: ShearState, now: tuple[ShearSteps, Coefficients, Coefficients]
-    ) -> tuple[ShearState, tuple]:
-        end, normal, tangential = now
-        given = (end.value, end.slide, by_load)
-        return step(scene, grid, normal, tangential, state, *given)
+    ) -> tuple[ShearState, Felt]:
+        end, cn, ct = now
+        return step(scene, grid, cn, ct, state, end.value, end.slide, by_load)
 
-    def look(state: ShearState, seen: tuple) -> Sheared:
-        return _measured(grid, state, seen, by_load)
+    def look(state: ShearState, felt: Felt) -> Sheared:
+        return _measured(grid, state, felt, by_load)
 
-    return march(advance, look, state, steps, is_seen, prepare)
+    def piece(
+        state: ShearState, block: ShearSteps, is_seen: Array
+    ) -> tuple[ShearState, Sheared]:
+        return march(advance, look, state, block, is_seen, prepare)
+
+    branches = sum(law.moduli.shape[0] + OF_AN_ELEMENT for law in laws)
+    size, doing = grid.x.shape[0] * branches, "stick and slip"
+    _, later = in_pieces(piece, start, steps_of_history, instants, size, doing)
+    return tree_map(lambda a, b: np.concatenate([a[None], b]), first, later)
 
 
-@compiled("elements", "per_area")
 def line(scene: ShearScene, elements: int, per_area: bool) -> HalfLine:
     """`elements` elements of equal width from the axis to the reach of the scene."""
-    width = scene.reach / elements
-    return _grid(scene, width * (xp.arange(elements) + 0.5), width, width, per_area)
+    width = np.asarray(scene.reach)[..., None] / elements
+    x = width * (np.arange(elements) + 0.5)
+    return _grid(scene, x, width, width[..., 0], per_area)
 
 
-@compiled("parts", "nodes", "per_area")
 def panels(
     scene: ShearScene, radii: Array, parts: int, nodes: int, per_area: bool
 ) -> HalfLine:
@@ -213,30 +182,30 @@ def panels(
     the same history of stick and slip, so that all is smooth there. The places carry no
     derivative, since the sums do not depend on them.
     """
-    edges = xp.concatenate(
-        [xp.zeros(1), xp.sort(xp.clip(radii, 0.0, scene.reach)), scene.reach[None]]
+    edges = np.concatenate(
+        [np.zeros(1), np.sort(np.clip(radii, 0.0, scene.reach)), scene.reach[None]]
     )
-    inner = edges[:-1, None] + xp.diff(edges)[:, None] * (np.arange(parts) / parts)
-    x, dx = gauss_on_panels(xp.append(inner.reshape(-1), edges[-1]), nodes)
-    return _grid(scene, x, dx, xp.asarray(xp.nan), per_area)
+    inner = edges[:-1, None] + np.diff(edges)[:, None] * (np.arange(parts) / parts)
+    x, dx = gauss_on_panels(np.append(inner.reshape(-1), edges[-1]), nodes)
+    return _grid(scene, x, dx, np.asarray(np.nan), per_area)
 
 
 def _grid(
     scene: ShearScene, x: Array, dx: Array, width: Array, per_area: bool
 ) -> HalfLine:
     ring = per_area and not isinstance(scene.shape, Cylinder)
-    weight = (2 * math.pi * x if ring else xp.full(x.shape, 2.0)) * dx
+    weight = (2 * math.pi * x if ring else np.full(x.shape, 2.0)) * dx
     weight = weight * (scene.shape.length if isinstance(scene.shape, Cylinder) else 1.0)
     profile = scene.shape._height(x) if ring else scene.shape._profile(x)
-    return HalfLine(x, weight, xp.where(xp.isfinite(profile), profile, 1e30), width)
+    return HalfLine(x, weight, np.where(np.isfinite(profile), profile, 1e30), width)
 
 
 def untouched(scene: ShearScene, grid: HalfLine) -> ShearState:
     """The state before any contact."""
-    zero, none = xp.zeros_like(grid.x), xp.zeros(())
+    zero, none = np.zeros_like(grid.x), np.zeros(grid.x.shape[:-1])
 
     def rest(law: Relaxation) -> Array:
-        return xp.zeros((law.moduli.shape[0], grid.x.shape[0]))
+        return np.zeros((law.moduli.shape[0], *grid.x.shape))
 
     return ShearState(
         zero, rest(scene.normal), zero, zero, rest(scene.tangential), none, none, none
@@ -245,39 +214,32 @@ def untouched(scene: ShearScene, grid: HalfLine) -> ShearState:
 
 def _start(
     scene: ShearScene, grid: HalfLine, value: Array, displacement: Array, by_load: bool
-) -> tuple[ShearState, tuple]:
+) -> tuple[ShearState, Felt]:
     """The first instant: depth or load, then displacement, put on at once, to which the
     glassy moduli respond.
 
     Dashpots carry what is put on at once without moving.
     """
-    none, state = xp.zeros(()), untouched(scene, grid)
-    still = (
-        state,
-        ((none, value if by_load else none, none, none, none, none), state.u),
-    )
-    normal, tangential = _sudden(scene.normal), _sudden(scene.tangential)
-
-    def put(state: ShearState, ds: Array) -> tuple[ShearState, tuple]:
-        return step(scene, grid, normal, tangential, state, value, ds, by_load)
-
-    put_down, seen = scan(put, state, xp.stack([none, displacement]))
-    moved = put_down, tree_map(lambda x: x[-1], seen)
-    dashpots = xp.asarray(scene.normal.viscosity + scene.tangential.viscosity) > 0
-    return tree_map(lambda a, b: xp.where(dashpots, a, b), still, moved)
+    state, none = untouched(scene, grid), np.zeros(())
+    if scene.normal.viscosity + scene.tangential.viscosity > 0:
+        apart, carried = state.u - 1.0, value if by_load else none
+        return state, Felt(none, carried, state.u, apart, apart, state.u, none)
+    cn, ct = _sudden(scene.normal), _sudden(scene.tangential)
+    state, _ = step(scene, grid, cn, ct, state, value, none, by_load)
+    return step(scene, grid, cn, ct, state, value, displacement, by_load)
 
 
 def _sudden(law: Relaxation) -> Coefficients:
     """The contact step in the limit h = 0, of a law without a dashpot."""
-    one = xp.ones((law.moduli.shape[0], 1))
-    glassy = xp.atleast_1d(law.equilibrium + xp.sum(law.moduli))
-    glassy = xp.where(glassy > 0, glassy, 1.0)
-    moduli = xp.asarray(law.moduli)[:, None]
-    zero, equilibrium = xp.zeros(1), xp.atleast_1d(xp.asarray(law.equilibrium))
-    drag = 0.5 * xp.sum(moduli, axis=0)
-    energy = xp.where(moduli > 0, 0.5 / xp.where(moduli > 0, moduli, 1.0), 0.0)
+    one = np.ones((law.moduli.shape[0], 1))
+    glassy = np.atleast_1d(law.equilibrium + np.sum(law.moduli))
+    glassy = np.where(glassy > 0, glassy, 1.0)
+    moduli = np.asarray(law.moduli)[:, None]
+    zero, equilibrium = np.zeros(1), np.atleast_1d(np.asarray(law.equilibrium))
+    drag = 0.5 * np.sum(moduli, axis=0)
+    energy = np.where(moduli > 0, 0.5 / np.where(moduli > 0, moduli, 1.0), 0.0)
     return Coefficients(
-        xp.ones(1),
+        np.ones(1),
         equilibrium,
         zero,
         one,
@@ -290,6 +252,18 @@ def _sudden(law: Relaxation) -> Coefficients:
         drag,
         zero,
     )
+
+
+class Felt(NamedTuple):
+    """What elements and body feel at the end of a step."""
+
+    force: Array  # tangential [N]
+    normal: Array  # [N]
+    tau: Array  # traction
+    pushed: Array  # beyond u_free [m]
+    room: Array  # what friction allows beyond the traction, negative out of contact
+    stored: Array  # tangential elastic energy of the elements
+    late: Array  # what a given load misses of the normal force at the end [N]
 
 
 class TangentialStep(NamedTuple):
@@ -312,33 +286,34 @@ def step(
     value: Array,
     ds: Array | Callable[[Callable[[Array], Array]], Array],
     by_load: bool,
-) -> tuple[ShearState, tuple]:
-    """One contact step: the state after it, (F_x, F_N, contact radius, stick radius,
-    energy, error of F_N), and tau.
+) -> tuple[ShearState, Felt]:
+    """One contact step, and what is felt at its end.
 
     `ds` is the body's tangential displacement in the step, or finds it from the force
-    as a function of it.
+    as a function of it. Depths and displacements may be those of many bodies, each with
+    its elements along the last axis.
     """
-    seen = xp.sum(cn.seen * state.f, axis=0)
+    seen = np.sum(cn.seen * state.f, axis=0)
     depth = value
     if by_load:
         touch_depth = grid.profile + released(cn, state.u, seen)
         stiffness = grid.weight * cn.stiffness
         depth = settle(touch_depth, stiffness, 0.0, value, state.depth)
-    down = pressed(cn, state.u, seen, depth - grid.profile - state.u)
+    pushed = np.asarray(depth)[..., None] - grid.profile - state.u
+    down = pressed(cn, state.u, seen, pushed)
     share = _share(grid, cn, state, down)
     moved, slide = _moved(scene, grid, ct, state, down.q, share, ds)
     heat = _heat(scene, ct, state, moved)
 
     mean = (
         ct.equilibrium * (state.s + 0.5 * moved.moved)
-        + xp.sum(ct.mean * state.p, axis=0)
+        + np.sum(ct.mean * state.p, axis=0)
         + ct.drag * moved.moved
     )
     p = ct.decay * state.p + ct.gain * moved.moved
     s = state.s + moved.moved
-    stored = 0.5 * ct.equilibrium * s**2 + xp.sum(ct.energy * p**2, axis=0)
-    loss = xp.sum(grid.weight * heat)
+    stored = 0.5 * ct.equilibrium * s**2 + np.sum(ct.energy * p**2, axis=0)
+    loss = _sum(grid, heat)
     after = ShearState(
         u=state.u + down.change,
         f=cn.decay * state.f + cn.gain * down.change,
@@ -346,29 +321,31 @@ def step(
         s=s,
         p=p,
         depth=depth,
-        work=state.work + xp.sum(grid.weight * mean * moved.moved) + loss,
+        work=state.work + _sum(grid, mean * moved.moved) + loss,
         slip_loss=state.slip_loss + loss,
     )
-    radius = _edge(grid, down.pushed - down.recovery)
-    room = xp.where(down.q > 0, moved.limit - xp.abs(moved.trial), -1e-300)
-    stick = xp.minimum(_edge(grid, room), radius)
-    tau, q = moved.tau, down.q
-    late = xp.zeros(())  # what a given load misses of the normal force at the end
+    tau, q, late = moved.tau, down.q, np.zeros(())
     if not callable(ds):
         sunk = (down.pushed, depth - state.depth)
         tau, end = _at_end(scene, cn, ct, state, sunk, slide, moved, q)
-        late, q = (
-            (xp.abs(xp.sum(grid.weight * (end - q))), q) if by_load else (late, end)
-        )
-    seen = (
-        xp.sum(grid.weight * tau),
-        xp.sum(grid.weight * q),
-        radius,
-        stick,
-        xp.sum(grid.weight * stored),
-        late,
+        if by_load:
+            late = np.abs(_sum(grid, end - q))
+        else:
+            q = end
+    return after, Felt(
+        force=_sum(grid, tau),
+        normal=_sum(grid, q),
+        tau=tau,
+        pushed=down.pushed - down.recovery,
+        room=np.where(down.q > 0, moved.limit - np.abs(moved.trial), -1e-300),
+        stored=stored,
+        late=late,
     )
-    return after, (seen, tau)
+
+
+def _sum(grid: HalfLine, values: Array) -> Array:
+    """Over the elements."""
+    return np.sum(grid.weight * values, axis=-1)
 
 
 def _share(grid: HalfLine, cn: Coefficients, state: ShearState, down: Pressed) -> Array:
@@ -376,18 +353,19 @@ def _share(grid: HalfLine, cn: Coefficients, state: ShearState, down: Pressed) -
     from a distance carries it from when it touches, one that leaves it until the normal
     force, linear in the step, is gone.
     """
-    before = xp.maximum(state.u + grid.profile - state.depth, 0.0)
-    gap = xp.where(state.q > 0, 0.0, before)
+    depth = np.asarray(state.depth)[..., None]
+    before = np.maximum(state.u + grid.profile - depth, 0.0)
+    gap = np.where(state.q > 0, 0.0, before)
     fresh, left = down.contact & (gap > 0), ~down.contact & (state.q > 0)
-    touching = xp.maximum(down.pushed, 0.0) / xp.where(fresh, down.pushed + gap, 1.0)
+    touching = np.maximum(down.pushed, 0.0) / np.where(fresh, down.pushed + gap, 1.0)
     fall = state.q - cn.stiffness * (down.pushed - down.recovery)
-    leaving = state.q / xp.where(left, fall, 1.0)
-    return xp.where(left, leaving, xp.where(fresh, touching, 1.0))
+    leaving = state.q / np.where(left, fall, 1.0)
+    return np.where(left, leaving, np.where(fresh, touching, 1.0))
 
 
 def _largest(scene: ShearScene, q: Array) -> Array:
     """The largest traction that friction allows."""
-    return xp.where(q > 0, scene.friction * xp.where(q > 0, q, 1.0), 0.0)
+    return np.where(q > 0, scene.friction * np.where(q > 0, q, 1.0), 0.0)
 
 
 def _moved(
@@ -401,19 +379,19 @@ def _moved(
 ) -> tuple[TangentialStep, Array]:
     """Stick or slip of each element, and the displacement of the body."""
     limit = _largest(scene, q)
-    rest = ct.equilibrium * state.s + xp.sum(ct.seen * state.p, axis=0)
+    rest = ct.equilibrium * state.s + np.sum(ct.seen * state.p, axis=0)
 
     def force(ds: Array) -> Array:
-        trial = rest + ct.stiffness * share * ds
-        return xp.sum(grid.weight * xp.clip(trial, -limit, limit))
+        trial = rest + ct.stiffness * share * ds[..., None]
+        return _sum(grid, np.clip(trial, -limit, limit))
 
-    slide: Any = ds(force) if callable(ds) else ds
-    stuck_move = slide * share
+    slide = np.asarray(ds(force) if callable(ds) else ds)
+    stuck_move = slide[..., None] * share
     trial = rest + ct.stiffness * stuck_move
-    slips = xp.abs(trial) > limit
-    bound = xp.sign(trial) * xp.where(slips, limit, 0.0)
-    tau = xp.where(slips, bound, trial)
-    moved = xp.where(slips, (bound - rest) / ct.stiffness, stuck_move)
+    slips = np.abs(trial) > limit
+    bound = np.sign(trial) * np.where(slips, limit, 0.0)
+    tau = np.where(slips, bound, trial)
+    moved = np.where(slips, (bound - rest) / ct.stiffness, stuck_move)
     return TangentialStep(tau, trial, limit, slips, stuck_move, moved), slide
 
 
@@ -424,15 +402,15 @@ def _heat(
     step, meet: at once if the element slipped before.
     """
     slips, trial = moved.slips, moved.trial
-    slid = xp.where(slips, xp.abs(moved.stuck_move - moved.moved), 0.0)
+    slid = np.where(slips, np.abs(moved.stuck_move - moved.moved), 0.0)
     before = _largest(scene, state.q)
-    known = slips & xp.isfinite(before)
-    last, now = xp.where(known, before, 0.0), xp.where(slips, moved.limit, 0.0)
-    traction = ct.equilibrium * state.s + xp.sum(state.p, axis=0)
-    room = xp.maximum(last - xp.sign(trial) * traction, 0.0)
-    over = xp.where(known, xp.abs(trial) - now, 1.0)
-    first = xp.where(known, last + (now - last) * room / (room + over), xp.abs(trial))
-    return xp.where(slips, 0.5 * (first + now) * slid, 0.0)
+    known = slips & np.isfinite(before)
+    last, now = np.where(known, before, 0.0), np.where(slips, moved.limit, 0.0)
+    traction = ct.equilibrium * state.s + np.sum(state.p, axis=0)
+    room = np.maximum(last - np.sign(trial) * traction, 0.0)
+    over = np.where(known, np.abs(trial) - now, 1.0)
+    first = np.where(known, last + (now - last) * room / (room + over), np.abs(trial))
+    return np.where(slips, 0.5 * (first + now) * slid, 0.0)
 
 
 def _at_end(
@@ -450,36 +428,36 @@ def _at_end(
 
     `sunk`: by how much element and body have moved down.
     """
-    held = cn.equilibrium * state.u + xp.sum(cn.decay * state.f, axis=0)
+    held = cn.equilibrium * state.u + np.sum(cn.decay * state.f, axis=0)
     held = held + (cn.end - cn.rate) * sunk[0] + cn.rate * sunk[1]
-    q_end = xp.where(q > 0, xp.where(cn.rate > 0, xp.maximum(held, 0.0), q), 0.0)
-    stuck = ct.equilibrium * state.s + xp.sum(ct.decay * state.p, axis=0)
+    q_end = np.where(q > 0, np.where(cn.rate > 0, np.maximum(held, 0.0), q), 0.0)
+    stuck = ct.equilibrium * state.s + np.sum(ct.decay * state.p, axis=0)
     stuck = stuck + (ct.end - ct.rate) * moved.stuck_move + ct.rate * slide
     limit = _largest(scene, q_end)
-    stuck = xp.clip(xp.where(ct.rate > 0, stuck, moved.tau), -limit, limit)
-    return xp.where(moved.slips, xp.sign(moved.tau) * limit, stuck), q_end
+    stuck = np.clip(np.where(ct.rate > 0, stuck, moved.tau), -limit, limit)
+    return np.where(moved.slips, np.sign(moved.tau) * limit, stuck), q_end
 
 
-def _measured(grid: HalfLine, state: ShearState, seen: tuple, by_load: bool) -> Sheared:
+def _measured(grid: HalfLine, state: ShearState, felt: Felt, by_load: bool) -> Sheared:
     """What is known at the end of a step, with a bound on what its tangential force
     misses.
     """
-    (force, normal_force, contact, stick, stored, late), tau = seen
-    missed = _missed(grid.weight * tau)
+    missed = _missed(grid.weight * felt.tau)
+    contact = _edge(grid, felt.pushed)
     if by_load:
         # Under a load the depth carries the error of the normal sum over to F_x, in
         # proportion.
-        ratio = xp.abs(force) / xp.where(normal_force > 0, normal_force, 1.0)
-        missed = missed + ratio * (_missed(grid.weight * state.q) + late)
+        ratio = np.abs(felt.force) / (felt.normal if felt.normal > 0 else 1.0)
+        missed = missed + ratio * (_missed(grid.weight * state.q) + felt.late)
     return Sheared(
-        force=force,
-        normal_force=normal_force,
+        force=felt.force,
+        normal_force=felt.normal,
         depth=state.depth,
         contact_radius=contact,
-        stick_radius=stick,
+        stick_radius=np.minimum(_edge(grid, felt.room), contact),
         work=state.work,
         slip_loss=state.slip_loss,
-        stored=stored,
+        stored=_sum(grid, felt.stored),
         missed=missed,
     )
 
@@ -489,25 +467,22 @@ def _missed(parts: Array) -> Array:
     variation of their slope, with that at the axis and at the outer end: of a jump
     within an element half is missed, of a bend half as much as this.
     """
-    change = xp.diff(parts)
-    ends = xp.abs(change[:1]) + xp.abs(change[-1:]) if change.size else xp.zeros(1)
-    return 0.25 * (xp.sum(xp.abs(xp.diff(change))) + ends[0])
+    change = np.diff(parts)
+    ends = np.abs(change[:1]) + np.abs(change[-1:]) if change.size else np.zeros(1)
+    return 0.25 * (np.sum(np.abs(np.diff(change))) + ends[0])
 
 
 def _edge(grid: HalfLine, value: Array) -> Array:
     """Where a function of the distance from the axis that is positive inside first
     turns negative [m].
     """
-    n = value.shape[0]
-    i = xp.where(xp.any(value < 0), argmax(value < 0), n)
-    inner, outer = value[xp.clip(i - 1, 0, n - 1)], value[xp.clip(i, 0, n - 1)]
-    fraction = xp.where(
-        inner > outer, inner / xp.where(inner > outer, inner - outer, 1.0), 0.0
-    )
-    between = (
-        xp.take(grid.x, xp.clip(i - 1, 0, n - 1))
-        + xp.clip(xp.where(xp.isfinite(fraction), fraction, 1.0), 0, 1) * grid.width
-    )
-    return xp.where(
-        i == 0, 0.0, xp.where(i == n, grid.x[-1] + 0.5 * grid.width, between)
-    )
+    outside = value < 0
+    if not outside.any():
+        return grid.x[-1] + 0.5 * grid.width
+    i = int(np.argmax(outside))
+    if i == 0:
+        return np.zeros(())
+    inner, outer = value[i - 1], value[i]
+    fraction = inner / (inner - outer) if inner > outer else 0.0
+    share = np.clip(fraction, 0.0, 1.0) if np.isfinite(fraction) else 1.0
+    return grid.x[i - 1] + share * grid.width
