@@ -13,6 +13,7 @@ from scipy.integrate import quad
 from scipy.special import gamma
 
 import elastomdr as em
+from elastomdr.surface import topography
 from elastomdr.surface.spectrum import synthesise
 
 from ..refused import mentions, refused, warned
@@ -434,6 +435,17 @@ def test_heights_and_slopes_of_data_and_spectrum(synthetic):
     assert abs(stepped.skewness - got.skewness) < 0.05
     (asymmetry,) = slices(stepped.report, "heights of these")
     assert mentions(asymmetry, 49, 65536, 6)
+
+
+def test_moments_of_the_heights_between_two_wave_numbers():
+    """Of A (cos(8 x) + cos(16 x)/2), with shorter waves that are left out."""
+    step = 2 * np.pi / 512
+    x, size = step * np.arange(512), 3e-6
+    long = size * (np.cos(8 * x) + 0.5 * np.cos(16 * x))
+    scan = topography.Scan(long + 0.2 * size * np.cos(100 * x), (step,))
+    found = topography._moments(scan, topography._waves(scan), 4.0, 32.0)
+    np.testing.assert_allclose(found.rms, np.sqrt(0.625) * size, rtol=1e-9)
+    np.testing.assert_allclose(found.skewness, 0.375 / 0.625**1.5, rtol=1e-9)
 
 
 @in_steps_of_one

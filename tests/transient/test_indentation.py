@@ -452,3 +452,11 @@ def test_the_energy_of_a_sticky_contact(shape, per_area):
             np.testing.assert_allclose(along_d, sticky.force(a, edge), rtol=1e-9)
             work = 2 * np.pi * a * sticky.gamma
             np.testing.assert_allclose(along_a, 0.0, atol=1e-9 * work)
+
+
+@pytest.mark.parametrize("per_area", [True, False])
+def test_a_punch_touches_with_all_of_its_face_or_nothing(per_area):
+    disc = disc_under(em.FlatPunch(5e-3), per_area)
+    for radius in (disc.radius_of_depth, disc.radius_of_area):
+        found = np.asarray(radius(np.array([-1e-9, 0.0, 1e-9])))
+        assert found.tolist() == [0.0, 0.0, 5e-3]
