@@ -43,6 +43,7 @@ def test_one_wave():
     np.testing.assert_allclose(found.stiffness, 0.002 * p / (up - down), rtol=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore:pressure is taken")
 def test_full_contact():
     """Beyond p L = E* A one wave is filled: no gap is left, and the interface has no
     compliance.
