@@ -46,6 +46,9 @@ from .persson_gap import closing_pressure, weighed_storage
 
 _PLACES = 65  # at which the fluid along an even seal is kept
 _CELLS, _MOST_CELLS = 64, 256  # of a seal whose pressure is not even
+_SOUGHT, _SHARPER = 2049, 4  # places among which cells are sought, and how often
+_NEAREST = 3e-4  # part of the range of pressures within which cells get no denser
+_SURE = 1.0, 0.5, 0.25  # parts of changes to fewer and fewer cells
 _CHANGED = 0.02  # change of its flow from half of them, from which they are doubled
 _UNKNOWN = 0.5  # the same of the most, from which the flow is not known
 _RANGE = np.log(1e5), 9.0  # of log z/(1 - z), below the largest pressure, and at most
@@ -346,13 +349,16 @@ def uneven(pressed: PressedSeal, seal: Uneven) -> SealFlow:
     fine, coarse = _tables(pressed, seal.peak * pressed.soft)
     count, log_flux = _CELLS, None
     while True:
-        cells, half = (_cells(pressed, seal, many) for many in (count, count // 2))
+        places = _places(seal, count)
+        cells, *fewer = (_cells(pressed, seal, places[::by]) for by in (1, 2, 4, 8))
         log_flux, good = _fluxes(fine, cells, log_flux)
-        log_less, also = _fluxes(coarse, half, log_flux[:1])
-        flux, less = np.exp(log_flux), np.exp(log_less[0])
+        solved = [_fluxes(coarse, each, log_flux[:1]) for each in fewer]
+        flux, also = np.exp(log_flux), solved[0][1]
         open_ = flux[0] > 0
-        whole = np.where(open_, flux[0], 1.0)
-        change = abs(flux[0] - less) / whole
+        by_cells = np.stack([flux[0], *(np.exp(each[0]) for each, _ in solved)])
+        # a change that is small by accident is not so three times
+        change = np.max(abs(np.diff(by_cells, axis=0)).T * _SURE, axis=-1)
+        change = change / np.where(open_, flux[0], 1.0)
         if count == _MOST_CELLS or not (change > _CHANGED).any():
             break
         count *= 2
@@ -373,7 +379,6 @@ def uneven(pressed: PressedSeal, seal: Uneven) -> SealFlow:
     middles = 0.5 * (fluid[1:] + fluid[:-1])
     viscous = ((1 + cells.expands * middles) * passed(fine.flow[0])).sum(0)
     hardest = _asked(pressed, downstream.max(0)[None])
-    places = np.linspace(0.0, 1.0, count + 1)
     x = seal.start[:, None] + seal.length[:, None] * places
     profile = AlongSeal(x, seal.pressure_at(places), (fluid / pressed.soft).T)
     return SealFlow(
@@ -381,7 +386,7 @@ def uneven(pressed: PressedSeal, seal: Uneven) -> SealFlow:
         hardest.gap[0],
         hardest.area[0],
         hardest.critical_gap,
-        seal.length * (downstream <= 0).mean(0),
+        (cells.width * (downstream <= 0)).sum(0),
         pressed.fluid.path * faint / np.where(viscous > 0, viscous, 1.0),
         np.where(open_, change + fine.error, fine.error),
         model_error,
@@ -471,20 +476,37 @@ class _Cells(NamedTuple):
     """Cells of an even pressure, all pressures over E*."""
 
     pressure: Array  # (cells, points)
-    width: Array  # [m], (points,)
+    width: Array  # [m], (cells, points)
     drop: Array
     expands: Array  # E*/p_2
     path: Array  # [m]
 
 
-def _cells(pressed: PressedSeal, seal: Uneven, count: int) -> _Cells:
-    middles = (np.arange(count) + 0.5) / count
+def _places(seal: Uneven, count: int) -> Array:
+    """Ends of `count` cells as parts of the length: half of them the denser, the nearer
+    the pressure is to its largest, where a fluid that all but lifts the rubber is held.
+
+    Of the shape of the pressure alone, which is that of all points.
+    """
+    fine = passed = np.linspace(0.0, 1.0, _SOUGHT)
+    for _ in range(_SHARPER):
+        fine = np.interp(np.linspace(0.0, passed[-1], _SOUGHT), passed, fine)
+        pressure, steps = seal.pressure_at(fine)[0], np.diff(fine)
+        below = (pressure.max() - pressure) / max(np.ptp(pressure), 1e-300)
+        dense = 1 / np.maximum(below, _NEAREST)
+        shares = (dense[1:] + dense[:-1]) * steps
+        passed = np.append(0.0, np.cumsum(shares / shares.sum() + steps))
+    return np.interp(np.linspace(0.0, passed[-1], count + 1), passed, fine)
+
+
+def _cells(pressed: PressedSeal, seal: Uneven, places: Array) -> _Cells:
+    middles = 0.5 * (places[1:] + places[:-1])
     soft, pressure = pressed.soft, np.array(seal.pressure_at(middles))
     # what holds the fluid back longest is not lost between two middles
     pressure[np.arange(len(pressure)), pressure.argmax(1)] = seal.peak
     return _Cells(
         (pressure * soft[:, None]).T,
-        seal.length / count,
+        np.diff(places)[:, None] * seal.length,
         pressed.drop * soft,
         pressed.fluid.expands / soft,
         pressed.fluid.path,
@@ -505,8 +527,7 @@ def _fluxes(table: _Table, cells: _Cells, guess: Array | None) -> tuple[Array, A
         place = np.maximum(cells.pressure.mean(0) - 0.5 * cells.drop, table.x[1])
         place = np.minimum(place, _OPEN * last[0])
         slope = np.gradient(table.flow[0], table.x)
-        length = cells.width * len(cells.pressure)
-        mean = np.interp(place, table.x, slope) * cells.drop / length
+        mean = np.interp(place, table.x, slope) * cells.drop / cells.width.sum(0)
         begin = begin + np.log(mean)
     else:
         begin = begin + guess
@@ -533,13 +554,13 @@ def _march(table: _Table, cells: _Cells, log_flux: Array) -> Array:
     """
     count = len(cells.pressure)
     row = np.arange(len(log_flux))[:, None]
-    falls = np.exp(log_flux) * cells.width
+    flux = np.exp(log_flux)
     path = cells.path * (row == 0)
     fluid = np.zeros((count + 1, *log_flux.shape))
     last = table.x.size - 1
     liquid = not np.any(cells.expands)
 
-    def passed(bears: Array, more: Array) -> Array:
+    def passed(bears: Array, more: Array, falls: Array) -> Array:
         """What contact bears at the inlet of a cell at whose outlet it bears this."""
         left = np.clip(np.searchsorted(table.x, bears) - 1, 0, last - 1)
         fraction = (bears - table.x[left]) / (table.x[left + 1] - table.x[left])
@@ -577,9 +598,11 @@ def _march(table: _Table, cells: _Cells, log_flux: Array) -> Array:
 
     for i in reversed(range(count)):
         pressure, bears = cells.pressure[i], cells.pressure[i] - fluid[i + 1]
-        remains = passed(bears, 1 + cells.expands * fluid[i + 1])
+        falls = flux * cells.width[i]
+        remains = passed(bears, 1 + cells.expands * fluid[i + 1], falls)
         for _ in range(0 if liquid else _ROUNDS):
-            remains = passed(bears, 1 + cells.expands * mean(pressure, bears, remains))
+            more = 1 + cells.expands * mean(pressure, bears, remains)
+            remains = passed(bears, more, falls)
         fluid[i] = np.where(bears > 0, pressure - remains, fluid[i + 1])
     return fluid
 

@@ -456,7 +456,8 @@ def leak(
     else:
         flow = _along(pressed, seal, seal.pressure_at)
     good = xp.broadcast_to(flow.good, shape)
-    warn_unless(good, "points")
+    why = "" if seal.pressure_at is None else _STEEP
+    warn_unless(good, "points", reason=why)
     doubts = rest.doubts(seal.peak, shape, chosen.softens)
     inputs = tuple(_inputs_in_words(foundation, pressed, given, seal))
     found = _found(given, flow, good, inputs)
@@ -610,6 +611,10 @@ def _model_in_words(given: LeakGiven, flow: SealFlow) -> str:
     return flow.said + (gas.SAID_OF_MAPS if flow.slips_by_itself else gas.SAID)
 
 
+_STEEP = (
+    "A peak of the pressure that is all but carried by the fluid holds it back over a "
+    "length that cannot be resolved."
+)
 _CHECKS = {"outlet_pressure": check_absolute, "mean_free_path": not_negative}
 
 
