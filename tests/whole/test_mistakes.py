@@ -268,6 +268,10 @@ def test_a_load_on_a_surface_makes_it_a_line(given):
     assert curve.mu == same.mu
     with pytest.warns(em.ModelWarning, match=f"{name} on a surface"):
         em.plan(rubber, ROAD, velocity=0.01, **given)
+    # what is refused is not warned of first: warnings are errors here
+    for verb in (em.friction, em.plan):
+        with pytest.raises(em.InputError, match="velocity must be positive"):
+            verb(rubber, ROAD, velocity=-1.0, **given)
 
 
 @pytest.mark.parametrize(

@@ -388,9 +388,9 @@ def _road_model(
     load, depth, pressure = (scene.get(name) for name in ("load", "depth", "pressure"))
     velocity: Any = scene.get("velocity")
     asked = Asked(velocity, load, depth, pressure)
-    hint_at_line(scene.get("model"), shape, asked)
     model = of_rough(scene.get("model"), shape, scene.get("pressure"))
     model = for_changes(model, shape, finer)
+    hint_at_line(scene.get("model"), shape, asked)
     doubt = None if scene.get("pressure") is None else doubt_of(model, shape)
     if doubt is not None:
         warn(doubt, ModelWarning)

@@ -142,17 +142,17 @@ def _average_of(
     for grid, chosen in grids:
         on_curve = slice(start, start + grid.velocity.size)
         start = on_curve.stop
-        curve = every.mu[on_curve]
-        used = grid.weights != 0
+        curve, off = every.mu[on_curve], every.error[on_curve]
+        used, known = grid.weights != 0, np.isfinite(curve + off)
         # A node that failed spoils the points that use it and no others.
-        broken = used @ ~np.isfinite(curve) > 0
-        curve = np.where(np.isfinite(curve), curve, 0.0)
+        broken = used @ ~known > 0
+        curve, off = (np.where(known, values, 0.0) for values in (curve, off))
         average = grid.weights @ curve
         mu[chosen] = np.where(broken, np.nan, average)
         error[chosen] = (
             quadrature_error(average, grid.half @ curve, grid.quarter @ curve, tail)
             + interpolation_error(average, np.where(broken, np.nan, grid.lower @ curve))
-            + np.abs(grid.weights) @ np.nan_to_num(every.error[on_curve])
+            + np.abs(grid.weights) @ off
         )
     good = ahead.converged & np.isfinite(mu)
     return _Run(mu, error, ahead.load, ahead.depth, ahead.share, good)

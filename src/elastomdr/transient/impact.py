@@ -453,12 +453,7 @@ def _beyond(scene: _ImpactScene, duration: np.ndarray) -> tuple[Doubt, ...]:
         temperature = None if temperatures is None else temperatures[i]
         if known is None:
             continue
-        factor = (
-            1.0
-            if temperature is None
-            else np.asarray(thermal_factors(foundation, temperature)[0])
-        )
-        rate = _PASSAGE * factor / times
+        rate = _PASSAGE * thermal_factors(foundation, temperature)[0] / times
         points[i] = known.outside(rate, temperature)
         if points[i].any():
             findings += known.findings(

@@ -60,10 +60,11 @@ def plan(
             raise InputError(
                 f"quantity must be 'friction' on a rough surface, got {quantity!r}."
             )
-        hint_at_line(model, shape, asked)
         road_model = of_rough(model, shape, pressure)
         call = RoughCall(solid, shape, asked, rtol, heat, adhesion)
-        return plan_by(road_model, call)
+        planned = plan_by(road_model, call)
+        hint_at_line(model, shape, asked)
+        return planned
     only_rough(heat=heat, direction=direction)
     if isinstance(shape, AbstractShape):
         cells = cells_of_body(model, quantity, shape.label)
