@@ -150,6 +150,21 @@ def test_thin_film_has_the_rubber_friction_of_the_dry_contact(rubber, thickness)
     assert (off[1] < off[0]).all()
 
 
+def test_an_elastic_film_knows_the_mean_of_both_velocities_alone():
+    """Rubber that rolls along takes in twice as much as one that rests or passes."""
+    elastic, velocity = em.Prony(1e6, [], []), np.array([0.1, 1.0])
+    given = {"load": 1e3, "viscosity": 0.1}
+    films = [
+        em.lubricated(elastic, BODY, velocity=v, rubber=rubber, **given).film_thickness
+        for rubber, v in (
+            ("rests", 2 * velocity),
+            ("passes", 2 * velocity),
+            ("rolls", velocity),
+        )
+    ]
+    np.testing.assert_allclose(films[1:], [films[0]] * 2, rtol=1e-6)
+
+
 @pytest.mark.parametrize("velocity", [1e-3, 0.1])
 def test_without_a_film_friction_is_that_of_the_dry_surface(velocity):
     """Hysteresis and adhesive shear of `em.friction` under Hertz' pressure."""
