@@ -757,3 +757,12 @@ def test_a_cutoff_that_jax_traces_is_refused_where_a_table_is_cut():
         slope = float(jax.grad(own)(8e3))
     assert slope < 0
     assert own(8.4e3) < own(7.6e3)
+
+
+def test_a_profile_of_points_is_not_known_beyond_them():
+    r = np.linspace(0.0, 1e-3, 51)
+    points = em.Profile(r, r**2 / 0.02)
+    inside, outside = np.array([-1e-3, 0.0, 1e-3]), np.array([-1.001e-3, 1.001e-3])
+    for known in (points._profile, points._slope):
+        assert np.isfinite(known(inside)).all()
+        assert np.isnan(known(outside)).all()
