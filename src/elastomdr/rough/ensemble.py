@@ -143,9 +143,9 @@ def _average_of(
         on_curve = slice(start, start + grid.velocity.size)
         start = on_curve.stop
         curve, off = every.mu[on_curve], every.error[on_curve]
-        used, known = grid.weights != 0, np.isfinite(curve + off)
+        known = np.isfinite(curve + off)
         # A node that failed spoils the points that use it and no others.
-        broken = used @ ~known > 0
+        broken = (grid.weights != 0) @ ~known > 0
         curve, off = (np.where(known, values, 0.0) for values in (curve, off))
         average = grid.weights @ curve
         mu[chosen] = np.where(broken, np.nan, average)
