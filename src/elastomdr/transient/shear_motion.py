@@ -147,11 +147,11 @@ def shear_history(
 
     def advance(
         state: ShearState, now: tuple[ShearSteps, Coefficients, Coefficients]
-    ) -> tuple[ShearState, Felt]:
+    ) -> tuple[ShearState, StepFelt]:
         end, cn, ct = now
         return step(scene, grid, cn, ct, state, end.value, end.slide, by_load)
 
-    def look(state: ShearState, felt: Felt) -> Sheared:
+    def look(state: ShearState, felt: StepFelt) -> Sheared:
         return _measured(grid, state, felt, by_load)
 
     def piece(
@@ -214,7 +214,7 @@ def untouched(scene: ShearScene, grid: HalfLine) -> ShearState:
 
 def _start(
     scene: ShearScene, grid: HalfLine, value: Array, displacement: Array, by_load: bool
-) -> tuple[ShearState, Felt]:
+) -> tuple[ShearState, StepFelt]:
     """The first instant: depth or load, then displacement, put on at once, to which the
     glassy moduli respond.
 
@@ -223,7 +223,7 @@ def _start(
     state, none = untouched(scene, grid), np.zeros(())
     if scene.normal.viscosity + scene.tangential.viscosity > 0:
         apart, carried = state.u - 1.0, value if by_load else none
-        return state, Felt(none, carried, state.u, apart, apart, state.u, none)
+        return state, StepFelt(none, carried, state.u, apart, apart, state.u, none)
     cn, ct = _sudden(scene.normal), _sudden(scene.tangential)
     state, _ = step(scene, grid, cn, ct, state, value, none, by_load)
     return step(scene, grid, cn, ct, state, value, displacement, by_load)
@@ -254,7 +254,7 @@ def _sudden(law: Relaxation) -> Coefficients:
     )
 
 
-class Felt(NamedTuple):
+class StepFelt(NamedTuple):
     """What elements and body feel at the end of a step."""
 
     force: Array  # tangential [N]
@@ -286,7 +286,7 @@ def step(
     value: Array,
     ds: Array | Callable[[Callable[[Array], Array]], Array],
     by_load: bool,
-) -> tuple[ShearState, Felt]:
+) -> tuple[ShearState, StepFelt]:
     """One contact step, and what is felt at its end.
 
     `ds` is the body's tangential displacement in the step, or finds it from the force
@@ -332,7 +332,7 @@ def step(
             late = np.abs(_sum(grid, end - q))
         else:
             q = end
-    return after, Felt(
+    return after, StepFelt(
         force=_sum(grid, tau),
         normal=_sum(grid, q),
         tau=tau,
@@ -438,7 +438,9 @@ def _at_end(
     return np.where(moved.slips, np.sign(moved.tau) * limit, stuck), q_end
 
 
-def _measured(grid: HalfLine, state: ShearState, felt: Felt, by_load: bool) -> Sheared:
+def _measured(
+    grid: HalfLine, state: ShearState, felt: StepFelt, by_load: bool
+) -> Sheared:
     """What is known at the end of a step, with a bound on what its tangential force
     misses.
     """
