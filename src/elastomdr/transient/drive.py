@@ -131,16 +131,16 @@ def drive(
             "material must be a half-space under this shape; on a layer em.drive "
             "takes an em.Cylinder."
         )
-    given = (time, position, load, None, temperature, rtol, elements)
-    history = given_history(body, *given)
-    if (np.diff(history.time) <= 0).any():
-        raise InputError(
-            "time must ascend without repeats: bodies with a mass have no jumps."
-        )
     mounts = {
         "tangential": _mount("tangential", tangential),
         "normal": _mount("normal", normal),
     }
+    given = (time, position, load, None, temperature, rtol, elements)
+    history = given_history(body, *given, mounts, track)
+    if (np.diff(history.time) <= 0).any():
+        raise InputError(
+            "time must ascend without repeats: bodies with a mass have no jumps."
+        )
     solution, plan = _solve(body.over, history, list(mounts.values()), track)
     inputs = [
         *body.words,
@@ -178,10 +178,7 @@ def _mount(name: str, mount: Mount | None) -> Mount | None:
 def _in_words(mount: Mount, per_length: bool) -> str:
     per = "/m" if per_length else ""
     values = ((mount.mass, "kg"), (mount.stiffness, "N/m"), (mount.damping, "N s/m"))
-    return ", ".join(
-        brief(np.asarray(v) if not is_traced(v) else v, unit + per)
-        for v, unit in values
-    )
+    return ", ".join(brief(v, unit + per) for v, unit in values)
 
 
 def _solve(
@@ -194,7 +191,7 @@ def _solve(
     reach further.
     """
     law = arrays(history.law)
-    traced = history.traced or is_traced(body, mounts, track)
+    traced = history.traced
     if isinstance(body, RoughLine):
         grid = _Grid(body.count, body.spacing, xp.zeros(()))
         slope = body.rms_slope
@@ -286,7 +283,7 @@ def _early(history: GivenHistory) -> tuple[Any, int]:
     """The shortest time [s], and by how many instants the first interval is divided
     down to it.
     """
-    if not history.traced:
+    if not is_traced(history.law, history.position, history.value):
         ratio = float(history.time[1] - history.time[0]) / history.shortest
         return history.shortest, min(
             _MOST_EARLY, max(0, math.ceil(math.log(ratio) / math.log(_EARLY)))
@@ -338,10 +335,9 @@ def _missing(seen: MotionHistory) -> tuple[Any, Any]:
     """What the energy balance does not find at each instant, and the largest work that
     was done [J].
     """
-    numpy = xp if is_traced(seen) else np
     given = seen.driven + seen.pressed
     spent = seen.kinetic + seen.spring + seen.work + seen.damped
-    return given - spent, numpy.max(numpy.maximum(numpy.abs(given), numpy.abs(spent)))
+    return given - spent, xp.max(xp.maximum(xp.abs(given), xp.abs(spent)))
 
 
 def _pack(

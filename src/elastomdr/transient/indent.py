@@ -235,8 +235,7 @@ def indent(
         layer: Any = material
         incompressible_enough(layer, disc, solution.radius, solution.force)
     shown = _accepted(solution, adhesion is None, rtol)
-    numpy = xp if is_traced(solution.depth, solution.force) else np
-    every_time = numpy.broadcast_to(course.time, solution.depth.shape)
+    every_time = xp.broadcast_to(course.time, solution.depth.shape)
     given_load = course.load is not None and course.depth is None
     beyond = history_beyond(
         foundation.range,
@@ -375,8 +374,7 @@ def _within(solution: Indented, disc: LayerDisc) -> Indented:
     """Instants at which the body is less deep than the layer is thick; no small strain
     gives an answer beyond.
     """
-    numpy = xp if is_traced(solution.depth, disc) else np
-    deep = numpy.asarray(solution.depth) >= disc.thickness
+    deep = xp.asarray(solution.depth) >= disc.thickness
     reason = solution.reason
     if not is_traced(deep) and deep.any():
         h = float(disc.thickness)

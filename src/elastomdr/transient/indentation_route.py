@@ -238,7 +238,6 @@ def _by_load(
         a.reshape(-1, shape[-1]) for a in (course.time, load, depth, by_depth)
     )
     traced = is_traced(law, modes, disc, time, load)
-    numpy = xp if traced else np
     if course.by_depth is None:
         if on_numpy() and time.size > _MANY:
             fields, growing = on_jax(_grown, law, modes, disc, time, load)
@@ -265,12 +264,12 @@ def _by_load(
         back = np.zeros(len(time), int)
         back[which] = np.arange(len(which))
         fields = tuple(
-            numpy.where(known, a, b[back]) for a, b in zip(fields, stepped, strict=True)
+            xp.where(known, a, b[back]) for a, b in zip(fields, stepped, strict=True)
         )
     depth, force, radius, work, stored, locked, heat, error = (
         a.reshape(shape) for a in fields
     )
-    good = numpy.isfinite(depth) & (error <= rtol)
+    good = xp.isfinite(depth) & (error <= rtol)
     reason = ""
     if not traced and not np.isfinite(depth).all():
         reason = (
@@ -288,13 +287,12 @@ def _grown(
     """The closed form: depth, force, radius, work, stored, locked, heat, error; where
     the contact has only grown.
     """
-    numpy = xp if is_traced(law, modes, disc, time, load) else np
     levels = _TRACED_LEVELS if is_traced(law, time) else levels_for(law, modes, time)
     creep_history: Creep = over_histories(
         creep, law, modes, disc, time, load, levels=levels
     )
-    nothing = numpy.zeros(time.shape)
-    error = numpy.where(numpy.isfinite(creep_history.depth), _ROUNDING, numpy.nan)
+    nothing = xp.zeros(time.shape)
+    error = xp.where(xp.isfinite(creep_history.depth), _ROUNDING, xp.nan)
     return (
         creep_history.depth,
         load,

@@ -78,10 +78,10 @@ def kernel_line(
     return z, -2 / math.pi * dz * numpy_unless_traced(layer_deficit)(z, squeeze, bonded)
 
 
+@numpy_unless_traced
 def _resolvents(
     squeeze: Array | float, bonded: bool, low: float, high: float
 ) -> Resolvents:
-    numpy: Any = xp if is_traced(squeeze) else np
     alpha = 0.5 * (low + high) + 0.5 * (high - low) * _places()
     count = 18 + math.ceil(2.5 * high)
     z, weight = kernel_line(squeeze, bonded, high)
@@ -91,11 +91,11 @@ def _resolvents(
     for a, x, dx in zip(alpha, s, ds, strict=True):
         wave, at_edge = np.cos(x[:, None] * z), np.cos(a * z)
         matrix = np.eye(count) + (wave * weight) @ wave.T * dx
-        right = numpy.stack([numpy.ones(count), (wave * weight) @ at_edge], axis=1)
-        solution = numpy.linalg.solve(matrix, right)
+        right = xp.stack([xp.ones(count), (wave * weight) @ at_edge], axis=1)
+        solution = xp.linalg.solve(xp.asarray(matrix), right)
         edge = 1 - at_edge * weight @ (wave.T @ (dx * solution[:, 0]))
         parts.append((solution[:, 0], solution[:, 1], edge))
-    unit, row, edge = (numpy.stack(list(column)) for column in zip(*parts, strict=True))
+    unit, row, edge = (xp.stack(list(column)) for column in zip(*parts, strict=True))
     return Resolvents(alpha, s, ds, unit, row, edge)
 
 
@@ -284,7 +284,6 @@ def layer_disc(
     `squeeze`.
     """
     traced = is_traced(shape, thickness, squeeze)
-    numpy: Any = xp if traced else np
     top = np.inf
     if not traced:
         top = float(np.asarray(shape.largest_contact) / np.asarray(thickness))
@@ -295,19 +294,19 @@ def layer_disc(
             line = _resolvents(squeeze, bonded, *ends)
         else:
             line = _of_numbers(float(np.asarray(squeeze)), bonded, panel)
-        columns.append(_tables(numpy, shape, thickness, squeeze, bonded, line))
+        columns.append(_tables(shape, thickness, squeeze, bonded, line))
         if line.alpha[-1] > top:
             columns += [columns[-1]] * (_ENDS.size - 2 - panel)
             break
-    tables = (numpy.stack(list(column)) for column in zip(*columns, strict=True))
+    tables = (xp.stack(list(column)) for column in zip(*columns, strict=True))
     middle, half = 0.5 * (_ENDS[:-1] + _ENDS[1:]), 0.5 * np.diff(_ENDS)
     places = (middle[:, None] + half[:, None] * _places()).ravel()
     places = np.minimum(places, 0.999 * top) * thickness
-    places = numpy.minimum(places, 0.999 * shape.largest_contact)
+    places = xp.minimum(places, 0.999 * shape.largest_contact)
     disc = LayerDisc(
         shape,
         "half-space",
-        numpy.asarray(thickness),
+        xp.asarray(thickness),
         *tables,
         places=places,
         depths=places,
@@ -318,13 +317,12 @@ def layer_disc(
     if disc.flat:
         return disc
     depths, areas = stop_gradient(
-        (disc.profile(numpy.asarray(places)), disc.area(numpy.asarray(places)))
+        (disc.profile(xp.asarray(places)), disc.area(xp.asarray(places)))
     )
     return replaced(disc, depths=depths, areas=areas)
 
 
 def _tables(
-    numpy: Any,
     shape: AbstractShape,
     thickness: Array | float,
     squeeze: Array | float,
@@ -332,20 +330,20 @@ def _tables(
     line: Resolvents,
 ) -> list:
     """Series on a panel of stiffness, edge, pull and held (`LayerDisc`)."""
-    total, power = numpy.sum(line.ds * line.unit, axis=1), tip_power(shape)
-    pull = held = numpy.zeros_like(total)
+    total, power = xp.sum(line.ds * line.unit, axis=1), tip_power(shape)
+    pull = held = xp.zeros_like(total)
     if not isinstance(shape, FlatPunch):
         a = line.alpha * thickness
         if isinstance(shape, Profile):  # its pieces are panels of the rule
             pull, held = _over_pieces(shape, thickness, line, squeeze, bonded)
         else:
             end = shape.largest_contact * (1 - 1e-12)
-            g = shape._profile(numpy.minimum(line.s * thickness, end))
-            pull = numpy.sum(line.ds * line.row * g, axis=1)
-            held = numpy.sum(line.ds * line.unit * g, axis=1) * thickness
+            g = shape._profile(xp.minimum(line.s * thickness, end))
+            pull = xp.sum(line.ds * line.row * g, axis=1)
+            held = xp.sum(line.ds * line.unit * g, axis=1) * thickness
         pull, held = pull / a**power, held / a ** (power + 1)
     functions = (total / line.alpha, line.edge, pull, held)
-    return [_series(numpy, values) for values in functions]
+    return [_series(values) for values in functions]
 
 
 def tip_power(shape: AbstractShape) -> float:
@@ -358,6 +356,7 @@ def tip_power(shape: AbstractShape) -> float:
     return 2.0
 
 
+@numpy_unless_traced
 def _over_pieces(
     shape: Profile,
     h: Array | float,
@@ -365,23 +364,22 @@ def _over_pieces(
     squeeze: Array | float,
     bonded: bool,
 ) -> tuple[Array, Array]:
-    numpy: Any = xp if is_traced(shape, h, squeeze) else np
     z, weight = kernel_line(squeeze, bonded, float(resolvents.alpha[-1]))
-    places = numpy.asarray(shape.r) / h
+    places = xp.asarray(shape.r) / h
     pulls, helds = [], []
     for k, alpha in enumerate(resolvents.alpha):
-        edges = numpy.minimum(places, numpy.minimum(alpha, places[-1] * (1 - 1e-12)))
+        edges = xp.minimum(places, xp.minimum(alpha, places[-1] * (1 - 1e-12)))
         s, ds = gauss_on_panels(edges, 6)
-        wave = numpy.cos(s[:, None] * z) * weight
+        wave = xp.cos(s[:, None] * z) * weight
         inner = np.cos(resolvents.s[k][:, None] * z)
         unit = 1 - wave @ (inner.T @ (resolvents.ds[k] * resolvents.unit[k]))
         row = wave @ (
             np.cos(alpha * z) - inner.T @ (resolvents.ds[k] * resolvents.row[k])
         )
         g = shape._profile(s * h)
-        pulls.append(numpy.sum(ds * row * g))
-        helds.append(numpy.sum(ds * unit * g) * h)
-    return numpy.stack(pulls), numpy.stack(helds)
+        pulls.append(xp.sum(ds * row * g))
+        helds.append(xp.sum(ds * unit * g) * h)
+    return xp.stack(pulls), xp.stack(helds)
 
 
 class ElasticLine(NamedTuple):
@@ -433,11 +431,11 @@ def _slopes() -> np.ndarray:
     return slopes
 
 
-def _series(numpy: Any, values: Array) -> Array:
+def _series(values: Array) -> Array:
     """Chebyshev coefficients from values at `_places`."""
     order = np.polynomial.chebyshev.chebvander(_places(), _DEGREE).T * 2 / (_DEGREE + 1)
     order[0] *= 0.5
-    return numpy.asarray(order) @ values
+    return xp.asarray(order) @ values
 
 
 def of_layer(material: Layer, shape: AbstractShape) -> tuple[LayerDisc, Foundation]:

@@ -178,7 +178,7 @@ class GivenHistory(NamedTuple):
     value: Any
     rtol: float
     elements: int
-    traced: bool
+    traced: bool  # law, body, position, value or what else the motion depends on
     inputs: tuple[tuple[str, str], ...]
     range: Range | None  # of the material
     temperature: Any  # [K], or None
@@ -216,9 +216,10 @@ def given_history(
     temperature: ArrayLike | None,
     rtol: float,
     elements: int | None,
+    *others: object,
 ) -> GivenHistory:
-    """The history that `em.slide` and `em.drive` were asked for. Raises `InputError`
-    for one that they cannot take.
+    """The history that `em.slide` and `em.drive` were asked for; the motion depends on
+    `others` too. Raises `InputError` for one that they cannot take.
     """
     time, position = _path(time, position)
     control: Control = (
@@ -259,7 +260,7 @@ def given_history(
         value=value,
         rtol=rtol,
         elements=elements or _TRACED,
-        traced=traced,
+        traced=traced or is_traced(body.over, others),
         inputs=tuple(inputs),
         range=body.foundation.range,
         temperature=temperature,
@@ -517,12 +518,11 @@ def cut(
     share[last] = 1.0
     length = np.where(duration > 0, duration, jump)
     h = np.repeat(line.share / finer, finer) * length[interval]
-    numpy = xp if is_traced(position, value) else np
 
     def along(values: Array) -> Any:
         left = values[:-1][interval]
         ends = left + share * (values[1:][interval] - left)
-        return numpy.concatenate([values[:1], ends])
+        return xp.concatenate([values[:1], ends])
 
     steps = Steps(np.append(jump, h), along(position), along(value))
     return steps, np.append(0, last + 1)
@@ -542,21 +542,19 @@ def even_steps(
     first interval is divided by `early` further instants in geometric series, from the
     `shortest` time on.
     """
-    traced = is_traced(position, value, shortest)
-    numpy = xp if traced else np
     first = time[1] - time[0]
-    ratio = numpy.minimum(shortest / first, 0.5) ** (1 / max(early, 1))
-    ratio = stop_gradient(ratio) if traced else ratio
+    ratio = xp.minimum(shortest / first, 0.5) ** (1 / max(early, 1))
+    ratio = stop_gradient(ratio)
     more = time[0] + first * ratio ** np.arange(early, 0, -1)
-    instants = numpy.concatenate([time[:1], more, time[1:]])
-    duration = numpy.diff(instants)
+    instants = xp.concatenate([time[:1], more, time[1:]])
+    duration = xp.diff(instants)
     fractions = np.arange(1, samples + 1) / samples
     ends = (instants[:-1, None] + duration[:, None] * fractions).reshape(-1)
-    begin = numpy.reshape(_INSTANT * shortest, 1)
+    begin = xp.reshape(_INSTANT * shortest, 1)
     steps = Steps(
-        numpy.concatenate([begin, numpy.repeat(duration / samples, samples)]),
-        numpy.concatenate([position[:1], numpy.interp(ends, time, position)]),
-        numpy.concatenate([value[:1], numpy.interp(ends, time, value)]),
+        xp.concatenate([begin, xp.repeat(duration / samples, samples)]),
+        xp.concatenate([position[:1], xp.interp(ends, time, position)]),
+        xp.concatenate([value[:1], xp.interp(ends, time, value)]),
     )
     kept = samples * (early + np.arange(1, time.size))
     return steps, np.append(0, kept)

@@ -135,10 +135,9 @@ def slide(
 
 def _velocity(history: GivenHistory) -> Any:
     """Of the body before each instant [m/s]; zero at the first, and at jumps."""
-    numpy = xp if is_traced(history.position) else np
     gone = np.diff(history.time)
-    speed = numpy.diff(history.position) / np.where(gone > 0, gone, 1.0)
-    return numpy.concatenate([numpy.zeros(1), numpy.where(gone > 0, speed, 0.0)])
+    speed = xp.diff(history.position) / np.where(gone > 0, gone, 1.0)
+    return xp.concatenate([np.zeros(1), xp.where(gone > 0, speed, 0.0)])
 
 
 def _rough(shape: RoughLine, history: GivenHistory) -> tuple[Levels, SlidePlan]:
@@ -159,7 +158,7 @@ def _rough(shape: RoughLine, history: GivenHistory) -> tuple[Levels, SlidePlan]:
         elements=shape.count,
         strips=1,
         most_steps=line.share.size,
-        traced=history.traced or is_traced(shape),
+        traced=history.traced,
         endless=True,
         skipped=skipped_because,
     )
@@ -189,8 +188,7 @@ def _indenter(lines: AbstractLines, history: GivenHistory) -> tuple[Levels, Slid
     """Marches the elements that an indenter can touch; more of them where it turns out
     to reach further.
     """
-    traced = history.traced or is_traced(lines)
-    if not traced and not (np.asarray(history.value) > 0).any():
+    if not history.traced and not (np.asarray(history.value) > 0).any():
         return _apart(history)
     law, duration = arrays(history.law), float(np.ptp(history.time))
     sizes = known(contact_sizes(law, lines, history.control, history.value, duration))
@@ -225,11 +223,9 @@ def _within(
     outermost of them were touched.
     """
     glassy, widest = sizes
-    traced = history.traced or is_traced(lines)
-    numpy = xp if is_traced(history.position) else np
-    first = numpy.min(history.position) - reach
-    length = numpy.ptp(history.position) + 2 * reach
-    if traced:
+    first = xp.min(history.position) - reach
+    length = xp.ptp(history.position) + 2 * reach
+    if history.traced:
         spacing, count = length / history.elements, history.elements
         line, steps = _steps(history, None)
     else:
@@ -247,10 +243,12 @@ def _within(
         elements=count,
         strips=1 if isinstance(lines, SingleLine) else count // 2,
         most_steps=line.share.size,
-        traced=traced,
+        traced=history.traced,
         endless=False,
         skipped="elements that the body cannot touch are left out",
-        moving=0.0 if traced else float(np.ptp(history.position)) / float(length),
+        moving=0.0
+        if history.traced
+        else float(np.ptp(history.position)) / float(length),
     )
     slope = lines.depth(widest) / widest
     return solve_levels(history, resolution, slope, deepest=_deepest(lines))
