@@ -27,10 +27,9 @@ from pathlib import Path
 import numpy as np
 import psutil
 from common import heading, one_thread, save, table, verdict
-from distributed import Client
+from distributed import Client, LocalCluster
 
 import elastomdr as em
-from elastomdr.sweeps import run
 
 
 def rubber(rng: np.random.Generator, number: int) -> em.Prony:
@@ -122,8 +121,8 @@ class Cluster:
 def cluster(workers: int, objects: dict, arrays: dict) -> Iterator[Cluster]:
     me = psutil.Process()
     before = set(me.children(recursive=True))
-    with run._cluster(workers) as started, Client(started) as client:
-        client.wait_for_workers(workers)
+    started = LocalCluster(n_workers=workers, threads_per_worker=1)
+    with started, Client(started) as client:
         own = [
             process for process in me.children(recursive=True) if process not in before
         ]

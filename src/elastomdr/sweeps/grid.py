@@ -16,7 +16,6 @@ from ..checks import as_float64, untraced
 from ..errors import InputError
 from ..material.validity import Draws
 from ..results.base import distinct
-from .identity import Json, described
 
 _BODIES = ("shape", "surface")
 _STEADY = ("velocity", "load", "depth", "pressure", "temperature", "direction")
@@ -168,18 +167,10 @@ class Grid(NamedTuple):
             for name, value in arguments.items()
         }
 
-    def identity(self, version: str) -> Json:
-        """What a store has to have been made of to be gone on with: version, call and
-        all values.
-        """
-        return {
-            "elastomdr": version,
-            "call": described(self.call),
-            "axes": {axis.name: described(axis.values) for axis in self.axes},
-            "fixed": {
-                name: described(value) for name, value in sorted(self.fixed.items())
-            },
-        }
+    def parts(self) -> dict[str, object]:
+        """What a store has to have been made of to be gone on with, and itself."""
+        axes = {axis.name: axis.values for axis in self.axes}
+        return {"call": self.call, "axes": axes, "fixed": self.fixed, "points": self}
 
 
 def grid(call: object, axes: object, fixed: dict[str, object]) -> Grid:
@@ -207,7 +198,7 @@ def grid(call: object, axes: object, fixed: dict[str, object]) -> Grid:
     draws = _draws(checked, fixed)
     if draws:
         checked = [SweepAxis(_DRAW, draws, False), *checked]
-    points = Grid(call, checked, fixed, bool(draws))
+    points = Grid(call, checked, dict(sorted(fixed.items())), bool(draws))
     _check_signature(points)
     return points
 

@@ -1,171 +1,418 @@
-"""What a store was made of, in JSON: values exactly, functions by their code and all
-that it refers to.
+"""What other processes are sent to compute, and what that is in JSON, by which a store
+is known again.
 
-What is described is a closed list (`_Reader`). Anything else cannot be compared: a
-store that was made with it is not gone on with, and says why.
+Both come from one pickle. A process that computes has nothing of the one that calls but
+what is in it: functions with their code, globals and closures, classes and modules of
+the user by value, and all else by its name in an installed package. So nothing that is
+not described decides a number. It is described without making anything of it.
 """
 
 from __future__ import annotations
 
-import builtins
+import contextlib
+import copy
 import copyreg
 import dis
 import functools
 import hashlib
 import importlib
+import importlib.machinery
 import importlib.metadata
 import importlib.util
+import io
+import itertools
 import json
-import logging
+import pickle
+import re
 import site
 import sys
 import sysconfig
 import threading
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from pathlib import Path, PurePath
-from types import (
-    BuiltinFunctionType,
-    CellType,
-    CodeType,
-    FunctionType,
-    GenericAlias,
-    GetSetDescriptorType,
-    MappingProxyType,
-    MemberDescriptorType,
-    MethodType,
-    ModuleType,
-    UnionType,
-)
-from typing import Any, TypeAlias, get_args, get_origin
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from weakref import WeakKeyDictionary, WeakValueDictionary
 
 import numpy as np
 
-from .. import __version__
-from ..arrays import as_numpy
-from ..material.validity import Draws
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from cloudpickle import Pickler as Packer
 
 # what `json` takes
-Json: TypeAlias = "bool | int | float | str | list[Json] | dict[str, Json] | None"
+Json: TypeAlias = (
+    "bool | int | float | str | Sequence[Json] | Mapping[str, Json] | None"
+)
 
 _PACKAGE, _PYTHON = __name__.partition(".")[0], "Python"
+_COMPILED = tuple(importlib.machinery.EXTENSION_SUFFIXES)
 _LONG = 100  # entries from which on a list is described by its digest
 _LONG_TEXT = 1000
-_POINTER = 8  # bytes
-_MOST = 1_000_000  # objects that are looked at
-_UNKNOWN = "!unknown"  # the key of what cannot be compared
-_REMEDY = (
-    "numbers, texts, arrays, lists, dicts, functions, and objects that hold nothing "
-    "but their fields can be"
-)
-# what holds no number; slots among what a class has
-_IDLE = (
-    type(threading.Lock()),
-    type(threading.RLock()),
-    logging.Logger,
-    GetSetDescriptorType,
-    MemberDescriptorType,
-)
-# compiled ones, whose other fields decide no number: of functools.cache and of jax.jit
-_WRAPPERS = ("_lru_cache_wrapper", "PjitFunction")
-# what leads from a function to code and values that it does not name
-_DOORS = {
-    "globals",
-    "__globals__",
-    "eval",
-    "exec",
-    "__import__",
-    "import_module",
-    "modules",
-    "currentframe",
-    "_getframe",
-}
-# of a class, what follows from the rest or decides no number
-_NOT_OF_A_CLASS = {
-    "__module__",
-    "__qualname__",
-    "__dict__",
-    "__weakref__",
-    "__doc__",
-    "__annotations__",
-    "__abstractmethods__",
-    "_abc_impl",
-    "__slotnames__",
-    "__firstlineno__",
-    "__static_attributes__",
-}
-_LOADS = {"LOAD_GLOBAL", "LOAD_NAME", "LOAD_FROM_DICT_OR_GLOBALS"}
+# of a module, what says how it was loaded
+_LOADED = {"__builtins__", "__cached__", "__loader__", "__spec__"}
+# holds nothing, and is not pickled
+_LOCKS = {type(make()): make for make in (threading.Lock, threading.RLock)}
+_CACHED = type(functools.cache(len))
+# by which a class says itself how its objects are pickled
+_HOOKS = {"__reduce__", "__reduce_ex__", "__getstate__", "__setstate__"}
+_PLACES = {10, 13, 14}  # of code: its file, its first line, its lines
+# by what cloudpickle knows a class again: a random number
+_RANDOM = re.compile("[0-9a-f]{32}")
+_ASIDE = re.compile(r"$|\([a-z]")  # a key that says what kind of thing it is
+_STATE_SETTERS = ("_function_setstate", "_class_setstate")  # of cloudpickle
+_SUBMODULES = "_cloudpickle_submodules"  # loaded, by the way, in any order
 
 
-def described(value: object) -> Json:
-    """A value in JSON: two are equal if they say the same to a call; what cannot be
-    compared is equal to nothing.
+def packed(given: object) -> bytes:
+    """For other processes, with modules of the user as they are in this one, those too
+    that a function imports when it is called. Raises `InputError`.
     """
+    import cloudpickle
+
+    class Packer(cloudpickle.Pickler):
+        def reducer_override(self, obj: Any) -> Any:
+            kind = type(obj)
+            if kind in _LOCKS:
+                return _LOCKS[kind], ()
+            if kind in (WeakKeyDictionary, WeakValueDictionary):
+                return kind, (dict(obj),)
+            if kind is _CACHED and not _is_installed(obj):
+                parts = obj.__wrapped__, *obj.cache_parameters().values()
+                return _cached, parts, vars(obj)
+            if kind is ModuleType and _is_by_value(obj):
+                return ModuleType, (obj.__name__,), _contents(self, obj)
+            _check_whole(obj)
+            reduced: Any = super().reducer_override(obj)
+            if isinstance(obj, FunctionType) and reduced is not NotImplemented:
+                modules.update(_imported(obj.__code__, obj.__globals__))
+            return reduced
+
+    modules: dict[str, ModuleType] = {}
+    while True:
+        known = dict(modules)
+        by_value = [
+            module
+            for _, module in sorted(list(sys.modules.items()))
+            if isinstance(module, ModuleType)
+            and _is_by_value(module)
+            and module.__name__ not in cloudpickle.list_registry_pickle_by_value()
+            and sys.modules.get(module.__name__) is module
+        ]
+        file = io.BytesIO()
+        try:
+            for module in by_value:
+                cloudpickle.register_pickle_by_value(module)
+            Packer(file).dump((given, known))
+        except Exception as error:  # of another class with each of them
+            raise InputError(
+                "call, axes and fixed arguments must be such that they can be pickled, "
+                f"for other processes: {error}"
+            ) from error
+        finally:
+            for module in by_value:
+                cloudpickle.unregister_pickle_by_value(module)
+        if known == modules:
+            return file.getvalue()
+
+
+def unpacked(sent: bytes) -> Any:
+    """What was packed. Raises `InputError` where it cannot be made again here."""
     try:
-        return _Reader().read(value)
-    except RecursionError:
-        return _unknown(value, "which is nested too deeply")
+        given, modules = pickle.loads(sent)
+    except Exception as error:  # of a module that is not there, or of a class
+        raise InputError(
+            "call, axes and fixed arguments must be such that the processes that "
+            f"compute can make them again: {type(error).__name__}: {error}."
+        ) from error
+    for name, module in modules.items():
+        sys.modules.setdefault(name, module)
+    return given
+
+
+def _is_by_value(module: ModuleType) -> bool:
+    """Whether it is a module of the user, in Python."""
+    is_compiled = str(getattr(module, "__file__", "")).endswith(_COMPILED)
+    return not (
+        is_compiled or module.__name__ == "__main__" or _package(module.__name__)
+    )
+
+
+def _is_installed(value: Callable[..., object]) -> bool:
+    """Whether it stands under its name in an installed package."""
+    found: Any = sys.modules.get(str(value.__module__))
+    for part in value.__qualname__.split("."):
+        found = getattr(found, part, None)
+    return found is value and bool(_package(value.__module__))
+
+
+def _check_whole(value: object) -> None:
+    """Raises `TypeError` where a class of the user says itself how its objects are
+    pickled, and leaves something out.
+    """
+    from cloudpickle import dumps
+
+    kind = type(value)
+    own = [vars(base) for base in kind.__mro__ if not _package(str(base.__module__))]
+    if any(map(_HOOKS.intersection, own)) or (own and kind in copyreg.dispatch_table):
+        copied = copy.copy(value)
+        states = [dumps(object.__getstate__(v)) for v in (value, copied)]  # type: ignore[attr-defined]
+        if states[0] != states[1] or (kind.__eq__ != object.__eq__ and value != copied):
+            raise TypeError(f"{kind.__name__} leaves something out when it is pickled")
+
+
+def _cached(function: Callable[..., object], size: int | None, typed: bool) -> object:
+    return functools.lru_cache(size, typed)(function)
+
+
+def _contents(packer: Packer, module: ModuleType) -> dict[str, object]:
+    """What stands in a module, but for what cannot be pickled: where a function uses
+    that, it raises.
+    """
+
+    def can_be_sent(value: object) -> bool:
+        known = (*packer.dispatch_table, FunctionType, ModuleType, _CACHED, *_LOCKS)
+        try:
+            return isinstance(value, type) or (
+                type(value) in known or bool(value.__reduce_ex__(5))
+            )
+        except Exception:  # whatever a class raises
+            return False
+
+    return {
+        key: value
+        for key, value in vars(module).items()
+        if key not in _LOADED and can_be_sent(value)
+    }
+
+
+def _imported(
+    code: CodeType, space: Mapping[str, object]
+) -> Iterator[tuple[str, ModuleType]]:
+    """The modules of the user that code imports, and those that they are in."""
+    before: list[Any] = [0, None]
+    for step in dis.get_instructions(code):
+        if step.opname == "IMPORT_NAME":
+            name = "." * before[-2] + step.argval
+            for each in ("", *(f".{each}" for each in before[-1] or ())):
+                # where it is not found here, it is not there either
+                with contextlib.suppress(Exception):
+                    package = str(space.get("__package__") or "")
+                    full = importlib.util.resolve_name(name, package) + each
+                    if not _package(full):
+                        importlib.import_module(full)
+                        parts = full.split(".")
+                        for i in range(len(parts)):
+                            whole = ".".join(parts[: i + 1])
+                            yield whole, sys.modules[whole]
+        before.append(step.argval)
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _imported(constant, space)
+
+
+class _Pickled:
+    """What a pickle makes: something by its name, or what a part makes of others."""
+
+    def __init__(self, of: _Pickled | None, args: Any = (), named: Any = None):
+        self.of, self.args, self.named = of, args, named or {}
+        self.name = ""
+        self.state: Any = None
+        self.entries: dict[Any, object] = {}
+        self.items: list[object] = []
+        self.after: list[tuple[object, object]] = []  # what is done to it, with what
+        self.append = self.add = self.items.append
+        self.extend = self.items.extend
+        # by which a pickle makes most objects
+        vars(self)["__new__"] = lambda of, *args, **named: _Pickled(of, args, named)
+
+    def __call__(self, *args: object) -> _Pickled:
+        if len(args) == 2 and isinstance(args[0], _Pickled):
+            if self.name in _STATE_SETTERS:
+                args[0].state = args[1]
+            else:
+                args[0].after.append((self, args[1]))
+        return _Pickled(self, args)
+
+    def __setstate__(self, state: object) -> None:
+        self.state = state
+
+    def __setitem__(self, key: object, value: object) -> None:
+        self.entries[key] = value
+
+
+class _Unpickler(pickle._Unpickler):  # the one in Python, as parts are no types
+    """Makes parts, and nothing of what they stand for."""
+
+    def __init__(self, sent: bytes):
+        super().__init__(io.BytesIO(sent))
+        self.modules: set[str] = set()
+
+    def find_class(self, module: str, name: str) -> Any:
+        self.modules.add(module)
+        is_short = _package(module) in (_PACKAGE, "cloudpickle")
+        part = _Pickled(None)
+        part.name = name if is_short else f"{module}.{name}"
+        return part
+
+
+def described(sent: bytes) -> dict[str, Json]:
+    """What a packed dict says, in JSON: two are equal if all that a call can see of
+    them is. With the versions of packages that it names, by module, and digests of
+    modules of the user that are compiled. Raises `InputError`.
+    """
+    unpickler, reader = _Unpickler(sent), _Reader()
+    given, modules = unpickler.load()
+    try:
+        told = reader.fields(given) | {"imports": reader.fields(modules)}
+    except RecursionError as error:
+        raise InputError(
+            "call, axes and fixed arguments must not be nested so deeply."
+        ) from error
+    hidden = {"cloudpickle", _PACKAGE, *(() if reader.code else ("numpy",))}
+    installed = {
+        name: _version(name)
+        for name in sorted(unpickler.modules | reader.modules)
+        if _package(name) not in hidden
+    }
+    return {**told, "installed": installed}
+
+
+class _Reader:
+    """Says what the parts of a pickle are, each once. Keys in parentheses are none of a
+    dict, and no fields.
+    """
+
+    def __init__(self) -> None:
+        self._before: dict[int, int] = {}  # number by id
+        self.modules: set[str] = set()  # that are named as a whole
+        self.code = False
+
+    def read(self, value: object) -> Json:
+        if value is None or isinstance(value, (int, float)):
+            return value
+        if isinstance(value, (str, bytes, bytearray)):
+            return _text(value)
+        if isinstance(value, tuple):
+            return {"(tuple)": self._many([*map(self.read, value)])}
+        if isinstance(value, frozenset):
+            return {"(frozenset)": self._set(value)}
+        if isinstance(value, _Pickled) and value.name:
+            return {"": value.name}
+        if id(value) in self._before:
+            return {"(part)": self._before[id(value)]}
+        self._before[id(value)] = len(self._before) + 1
+        if isinstance(value, dict):
+            told = self.fields(value)
+            return told if len(told) <= _LONG else self._many([*told.items()])
+        if isinstance(value, list):
+            return self._many([*map(self.read, value)])
+        if isinstance(value, set):
+            return {"(set)": self._set(value)}
+        return self._made(value) if isinstance(value, _Pickled) else str(value)
+
+    def _many(self, told: Sequence[Json]) -> Json:
+        """Entries; of many their digest."""
+        if len(told) <= _LONG:
+            return told
+        return {"(many)": f"{len(told)}, digest {_digest(json.dumps(told).encode())}"}
+
+    def _set(self, values: Iterable[object]) -> Json:
+        return self._many(sorted(map(self.read, values), key=json.dumps))
+
+    def fields(self, fields: Mapping[Any, object]) -> dict[str, Json]:
+        pairs = [(self._key(key), self.read(each)) for key, each in fields.items()]
+        # keys may be objects that say the same
+        return {"(pairs)": pairs} if len(dict(pairs)) < len(pairs) else dict(pairs)
+
+    def _key(self, key: object) -> str:
+        if isinstance(key, str) and key and key[0] != "(":
+            return key
+        return f"({json.dumps(self.read(key))})"
+
+    def _made(self, part: _Pickled) -> Json:
+        maker = cast(_Pickled, part.of)
+        if maker.args == ("CodeType",):
+            kept = [each for i, each in enumerate(part.args) if i not in _PLACES]
+            return _digest(json.dumps([*map(self.read, kept)]).encode())
+        if maker.name == "subimport":
+            self.modules.add(part.args[0])
+            return {"": part.args[0]}
+        if maker.name == "_make_function":
+            self.code = True
+            code, slots = part.args[0], part.state[1]
+            del slots[_SUBMODULES]
+            parts = {"code": code, "uses": slots.pop("__globals__"), **slots}
+            return self.fields(parts | {"attributes": part.state[0]})
+        args = [
+            self.read(each)
+            for each in part.args
+            if not (isinstance(each, str) and _RANDOM.fullmatch(each))
+        ]
+        told: dict[str, Json] = {
+            "(values)": _values(part),
+            "(class)": self.read(maker),
+            "(of)": args,
+            "(named)": self.fields(part.named),
+            "(items)": self._many([*map(self.read, part.items)]),
+            "(entries)": self.fields(part.entries),
+            "(after)": self.read(tuple(part.after)) if part.after else None,
+        }
+        both: Any = part.state
+        if not isinstance(both, tuple) or len(both) != 2:
+            both = (part.state, None)
+        state, slots = both  # those of `__dict__`, and of `__slots__`
+        if isinstance(state or {}, dict) and isinstance(slots or {}, dict):
+            told |= {"(slots)": self.fields(slots or {})} | self.fields(state or {})
+        else:
+            told["(state)"] = self.read(part.state)
+        parenthesized = {
+            "(values)",
+            "(of)",
+            "(named)",
+            "(items)",
+            "(entries)",
+            "(after)",
+            "(slots)",
+        }
+        return {k: v for k, v in told.items() if v or k not in parenthesized}
+
+
+def _values(part: _Pickled) -> Json:
+    """The numbers of a small array, for those who read it."""
+    if not part.of or not part.of.name.endswith(".numeric._frombuffer"):
+        return None
+    data, dtype, shape, _ = part.args
+    if len(data) > _LONG or dtype.args[0][0] not in "biuf":
+        return None
+    return np.frombuffer(data, dtype.args[0]).reshape(shape).tolist()
 
 
 def difference(made: Json, asked: Json, name: str = "") -> str:
     """Where two descriptions differ first, in words that name both; an empty text where
     they do not.
     """
-    if isinstance(asked, dict) and _UNKNOWN in asked:
-        return not_comparable(asked, name)
-    if isinstance(made, dict) and isinstance(asked, dict):
-        entries = (
-            difference(
-                made.get(key), asked.get(key), f"{name}.{key}".strip(".") or name
-            )
-            for key in dict.fromkeys([*made, *asked])
-        )
-        return next(filter(None, entries), "")
-    if isinstance(made, list) and isinstance(asked, list) and len(made) == len(asked):
-        entries = (
-            difference(*pair, f"{name}[{i}]")
-            for i, pair in enumerate(zip(made, asked, strict=True))
-        )
-        return next(filter(None, entries), "")
     before, now = json.dumps(made), json.dumps(asked)
-    if made == asked or before == now:  # NaN is not equal to itself
+    if before == now:
         return ""
+    parts: list[tuple[Json, Json, str]] = []
+    if isinstance(made, Mapping) and isinstance(asked, Mapping):
+        for key in dict.fromkeys([*made, *asked]):
+            at = name if _ASIDE.match(key) else f"{name}.{key}"
+            parts.append((made.get(key), asked.get(key), at))
+        before, now = json.dumps([*made]), json.dumps([*asked])
+    elif isinstance(made, list) and isinstance(asked, list) and len(made) == len(asked):
+        parts = [
+            (*pair, f"{name}[{i}]")
+            for i, pair in enumerate(zip(made, asked, strict=True))
+        ]
+    if found := next(filter(None, itertools.starmap(difference, parts)), ""):
+        return found
     before, now = (
-        text if len(text) < 120 else f"{text[:117]}..." for text in (before, now)
+        f"{text[:117]}..." if len(text) > 120 else text for text in (before, now)
     )
-    return f"{name} was {before} and is {now}"
-
-
-def not_comparable(described: Json, name: str = "") -> str:
-    """What in a description is equal to nothing, and why; an empty text where all of it
-    can be compared.
-    """
-    if isinstance(described, dict) and _UNKNOWN in described:
-        return f"{name} is {described[_UNKNOWN]}"
-    entries: Iterable[tuple[str, Json]] = ()
-    if isinstance(described, dict):
-        entries = (
-            (f"{name}.{key}".strip("."), part) for key, part in described.items()
-        )
-    elif isinstance(described, list):
-        entries = ((f"{name}[{i}]", part) for i, part in enumerate(described))
-    return next(filter(None, (not_comparable(part, at) for at, part in entries)), "")
-
-
-def modules_of_the_user() -> list[ModuleType]:
-    """All that are loaded and not installed, other than the script."""
-    return [
-        module
-        for name, module in sorted(sys.modules.items())
-        if isinstance(module, ModuleType)
-        and name not in ("__main__", "__mp_main__")
-        and not _package(name)
-    ]
-
-
-def _installed(name: str) -> str:
-    """Package and version of a module that is none of the user's."""
-    package = _package(name)
-    return f"{package} {_version(package)}" if package else ""
+    return f"{name.strip('.')} was {before} and is {now}"
 
 
 @functools.cache
@@ -174,372 +421,153 @@ def _package(name: str) -> str:
     top = name.partition(".")[0]
     if top == _PACKAGE:
         return _PACKAGE
-    file = getattr(sys.modules.get(name), "__file__", None)
-    if file is None and name not in sys.modules:
+    module = sys.modules.get(name)
+    # a package without a file of its own has a folder
+    file = getattr(module, "__file__", None) or next(
+        iter(getattr(module, "__path__", ())), None
+    )
+    if file is None and module is not None and top != name:
+        return _package(name.rpartition(".")[0])
+    if file is None and module is None:
         found = importlib.util.find_spec(top)
         file = found.origin if found else None
     if file is None or file in ("built-in", "frozen"):
         return _PYTHON if top in sys.stdlib_module_names else ""
-    path = Path(file).resolve()
-    paths = sysconfig.get_paths()
+    return top if (place := _place(file)) == "packages" else place
+
+
+def _place(file: str) -> str:
+    """Whether a file is among the packages that are installed, or of Python."""
+    path, paths = Path(file).resolve(), sysconfig.get_paths()
     packages = {paths["purelib"], paths["platlib"], site.getusersitepackages()}
     if {"site-packages", "dist-packages"} & set(path.parts) or any(
         path.is_relative_to(Path(each).resolve()) for each in packages
     ):
-        return top
+        return "packages"
     standard = (paths["stdlib"], paths["platstdlib"])
     is_standard = any(path.is_relative_to(Path(each).resolve()) for each in standard)
     return _PYTHON if is_standard else ""
 
 
-@functools.cache
-def _version(package: str) -> str:
-    if package == _PACKAGE:
-        return __version__
+def installed_folders() -> list[str]:
+    """Where modules are found, but for Python's of the user."""
+    ours = str(Path(__file__).parents[2])
+    compiled = {
+        str(Path(str(module.__file__)).parent)
+        for module in list(sys.modules.values())
+        if str(getattr(module, "__file__", None)).endswith(_COMPILED)
+        and not _package(module.__name__)
+    }
+    return [path for path in sys.path if _place(path) or path in (ours, *compiled)]
+
+
+def standing(named: Iterable[str] = ()) -> dict[str, dict[str, str]]:
+    """What stands under each name in modules of installed packages and their classes:
+    in those that are named, and in all that are loaded of what numbers rest upon.
+    """
+    names = set(named)
+    for name in names:
+        with contextlib.suppress(ImportError):
+            importlib.import_module(name)
+    names |= {"builtins", "math", *filter(_computes, sys.modules)}
+    return {
+        name: dict(_standing(sys.modules[name]))
+        for name in sorted(names & sys.modules.keys() - {"sys"})
+    }
+
+
+def is_ours(name: str) -> bool:
+    """Whether a module is of this package, but for this room, which decides nothing."""
+    here = __name__.rpartition(".")[0]
+    return name.partition(".")[0] == _PACKAGE and not name.startswith(here)
+
+
+def _computes(name: str) -> bool:
+    is_public = "._" not in name and not name.startswith("numpy.f2py")
+    return is_ours(name) or (name.partition(".")[0] in ("numpy", "scipy") and is_public)
+
+
+def _standing(module: ModuleType) -> Iterator[tuple[str, str]]:
+    name = module.__name__
+    for key, value in list(vars(module).items()):
+        # what others set themselves while they are used is left out
+        is_state = isinstance(value, (str, bool, type(None))) or (
+            key[0] == "_" and not _computes(name)
+        )
+        if key[:2] != "__" and (is_ours(name) or not is_state):
+            # what is loaded when it is first used stands under its own name
+            is_set = is_ours(name) and getattr(value, "__name__", key) != key
+            yield key, f"= {_brief(value)}" if is_set else _brief(value)
+        if isinstance(value, type) and value.__module__ == name:
+            for field, each in list(vars(value).items()):
+                yield f"{key}.{field}", _brief(each)
+    if name == "decimal":
+        yield "getcontext().prec", _brief(module.getcontext().prec)
+    if name.partition(".")[0] == "jax":
+        yield "config", str(sys.modules["jax"].config.jax_enable_x64)
+
+
+def _brief(value: Any) -> str:
+    """A number or a text, a function by its code; begins with "=" where it is of
+    nothing that is installed.
+    """
+    if isinstance(value, (staticmethod, classmethod)):
+        value = value.__func__
+    elif isinstance(value, property):
+        value = value.fget
+    if value is None or isinstance(value, (bool, int, float, complex, str)):
+        return f"= {value!r}"
+    if isinstance(value, tuple):
+        return str([*map(_brief, value)])
+    if type(value) is np.ndarray:
+        return f"{value.dtype}, digest {_digest(value.tobytes())}"
+    if isinstance(value, FunctionType):
+        home = str(value.__globals__.get("__name__"))
+        more = map(_brief, (value.__defaults__, *(value.__kwdefaults__ or {}).values()))
+        code = _digest(value.__code__.co_code)
+        sign = "" if _package(home) else "= "
+        return f"{sign}{home}.{value.__qualname__}, {code}, {[*more]}"
+    name = (
+        value.__name__
+        if isinstance(value, (type, np.ufunc, BuiltinFunctionType))
+        else ""
+    )
+    return f"{type(value).__name__} {name}"
+
+
+def set_here(there: Mapping[str, Mapping[str, str]]) -> str:
+    """What first stands in a module of this process otherwise than in another one."""
+    here = standing(sys.modules.keys() & there)
+    for name, fields in there.items():
+        for key, value in here.get(name, {}).items():
+            # what another module adds when it is loaded may not be there yet
+            if fields.get(key, "" if value[0] == "=" else value) != value:
+                return f"{name}.{key}"
+    return ""
+
+
+def _version(module: str) -> str:
+    """The version of what a module is of; the digest of one of the user's that is
+    compiled.
+    """
+    package = _package(module)
     if package == _PYTHON:
-        return f"{sys.version_info.major}.{sys.version_info.minor}"
+        return sys.version.partition(" ")[0]
+    if not package:
+        file = getattr(sys.modules.get(module), "__file__", None)
+        return _digest(Path(file).read_bytes()) if file else ""
     try:
         return importlib.metadata.version(package)
-    except importlib.metadata.PackageNotFoundError:
-        names = importlib.metadata.packages_distributions().get(package, ())
-        return ", ".join(map(importlib.metadata.version, names))
+    except importlib.metadata.PackageNotFoundError:  # it has another name there
+        return str(getattr(sys.modules.get(package), "__version__", ""))
 
 
-class _Reader:
-    """Describes a value and what it refers to; each function, class and module once.
-
-    The list of what it can describe is closed: plain data, functions of Python with all
-    that they refer to, classes, modules, what stands under its name in an installed
-    package, and objects that hold nothing but their fields.
-    """
-
-    def __init__(self) -> None:
-        self._count = 0
-        self._stopped = False  # by what cannot be compared
-        self._within: dict[int, int] = {}  # depth of what is being described, by id
-        # what was described once, by id; held, so that the id stays its own
-        self._before: dict[int, object] = {}
-
-    def read(self, value: object) -> Json:
-        self._count += 1
-        if self._stopped:
-            return None
-        if self._count > _MOST:
-            return self._unknown(value, f"and more than {_MOST} are before it")
-        ours = _package(type(value).__module__) in (_PACKAGE, _PYTHON)
-        if value is None or (ours and isinstance(value, (bool, int, float))):
-            return value
-        if ours and isinstance(value, (str, bytes)):
-            return _text(value)
-        if id(value) in self._within:
-            return f"itself, {len(self._within) - self._within[id(value)]} above"
-        self._within[id(value)] = len(self._within)
-        try:
-            return self._object(as_numpy(value))
-        finally:
-            del self._within[id(value)]
-
-    def _object(self, value: Any) -> Json:
-        kind = type(value)
-        if kind in (dict, MappingProxyType):
-            return self._many(
-                {
-                    key if type(key) is str else f"({json.dumps(self.read(key))})": each
-                    for key, each in value.items()
-                }
-            )
-        if kind is Draws:
-            about = {"": "Draws", "name": value.name, "words": value.words}
-            return about | {"each": self._many(list(value))}
-        if kind is np.ndarray or isinstance(value, np.generic):
-            return self._array(value)
-        if kind in (list, tuple):
-            is_numbers = all(type(each) in (bool, int, float) for each in value)
-            return self._array(value) if is_numbers else self._many(value)
-        if kind in (set, frozenset):
-            return sorted((self.read(each) for each in value), key=json.dumps)
-        if isinstance(value, PurePath):
-            return {"": "Path", "name": str(value)}
-        if name := _installed_name(value):
-            is_door = name.partition(",")[0].rpartition(".")[2] in _DOORS
-            return self._door(name) if is_door else name
-        if isinstance(value, (FunctionType, type, ModuleType)):
-            return self._once(value)
-        if isinstance(value, CodeType):
-            return _digest(json.dumps(_code(value)).encode())
-        return self._instance(value)
-
-    def _many(self, entries: Sequence[object] | dict[str, object]) -> Json:
-        """The entries of a list or a dict; of many their digest."""
-        told = (
-            self._fields(entries)
-            if not isinstance(entries, Sequence)
-            else [self.read(each) for each in entries]
-        )
-        if len(told) <= _LONG:
-            return told
-        if unknown := not_comparable(told):
-            return {_UNKNOWN: f"{len(told)} entries, of which {unknown}"}
-        return f"{len(told)} entries, digest {_digest(json.dumps(told).encode())}"
-
-    def _fields(self, fields: Mapping[str, object]) -> dict[str, Json]:
-        return {key: self.read(each) for key, each in fields.items()}
-
-    def _array(self, values: Any) -> Json:
-        """Numbers; more than twelve by their digest."""
-        array = np.ascontiguousarray(values)
-        if array.dtype.hasobject:
-            return self._many(array.tolist())
-        if array.size <= 12 and array.dtype.kind in "biuf":
-            return array.tolist() if np.ndim(values) else array.item()
-        if array.dtype.kind in "iu":  # as the same floats, where these hold all digits
-            floats = array.astype(float)
-            exact = np.array_equal(floats.astype(array.dtype), array)
-            array = floats if exact else array
-        shape = "x".join(map(str, array.shape))
-        ends = f"{array.flat[0]!s} to {array.flat[-1]!s}" if array.size else "empty"
-        return f"{array.dtype} {shape}, {ends}, digest {_digest(array.tobytes())}"
-
-    def _instance(self, value: Any) -> Json:
-        """What holds others in places that are known; objects whose fields are all
-        that they hold.
-        """
-        kind = type(value)
-        name = self.read(kind)
-        held: dict[str, object] = {}
-        if isinstance(value, MethodType):
-            held = {"function": value.__func__, "self": value.__self__}
-        elif kind is functools.partial:
-            held = {"function": value.func, "given": [value.args, value.keywords]}
-            held |= {"attributes": vars(value)} if vars(value) else {}
-        elif isinstance(value, (UnionType, GenericAlias)):
-            held = {"of": [get_origin(value), *get_args(value)]}
-        elif isinstance(value, property):
-            held = {"functions": [value.fget, value.fset, value.fdel]}
-        elif isinstance(value, (staticmethod, classmethod)):
-            held = {"function": value.__func__}
-        elif kind.__name__ in _WRAPPERS:
-            held = {"function": value.__wrapped__}
-        elif isinstance(value, BuiltinFunctionType):
-            held = {"name": value.__qualname__, "self": value.__self__}
-        elif isinstance(value, tuple) and _package(kind.__module__) == _PACKAGE:
-            held = value._asdict()  # type: ignore[attr-defined]
-        elif isinstance(value, _IDLE):
-            pass
-        elif _holds_only_fields(kind):
-            state: Any = object.__getstate__(value)  # type: ignore[attr-defined]
-            fields, slots = state if isinstance(state, tuple) else (state, None)
-            held = dict(sorted(((fields or {}) | (slots or {})).items()))
-        else:
-            return self._unknown(value)
-        return {"": name} | self._fields(held)
-
-    def _unknown(
-        self, value: object, why: str = f"which cannot be compared: {_REMEDY}"
-    ) -> Json:
-        self._stopped = True
-        return _unknown(value, why)
-
-    def _door(self, name: str) -> Json:
-        self._stopped = True
-        return {
-            _UNKNOWN: f"a function that uses {name!r}, by which it may reach anything: "
-            "it can be compared if it names what it uses"
-        }
-
-    def _once(self, value: FunctionType | type | ModuleType) -> Json:
-        """A function, a class or a module; its name where it was described before."""
-        name = getattr(value, "__qualname__", value.__name__)
-        if id(value) in self._before:
-            return f"{name}, described above"
-        self._before[id(value)] = value
-        if isinstance(value, ModuleType):
-            return self._module(value)
-        if isinstance(value, type):
-            made_by = {"made by": type(value)} if type(value) is not type else {}
-            fields = {
-                key: each
-                for key, each in sorted(vars(value).items())
-                if key not in _NOT_OF_A_CLASS
-            }
-            return {"": name} | self._fields(
-                {"bases": value.__bases__} | made_by | fields
-            )
-        return {"": name} | self._function(value)
-
-    def _module(self, module: ModuleType) -> Json:
-        """A module of the user as a whole."""
-        if not str(getattr(module, "__file__", None) or ".py").endswith(".py"):
-            return self._unknown(module, "which is compiled")
-        named = {
-            key: each for key, each in sorted(vars(module).items()) if key[:2] != "__"
-        }
-        return {"": module.__name__} | self._fields(named)
-
-    def _function(self, function: FunctionType) -> dict[str, Json]:
-        """A function by its code, what it holds, and what it refers to."""
-        space, code = function.__globals__, function.__code__
-        cells = zip(code.co_freevars, function.__closure__ or (), strict=True)
-        about = {
-            "defaults": self.read(
-                [*(function.__defaults__ or ()), function.__kwdefaults__ or {}]
-            ),
-            "holds": {name: self._cell(cell) for name, cell in cells},
-        }
-        home = _installed(str(space.get("__name__", "")))
-        if home:
-            about["of"] = home
-        else:
-            about["code"] = _digest(json.dumps(_code(code)).encode())
-            about["attributes"] = self._fields(dict(sorted(vars(function).items())))
-            about["uses"] = dict(sorted(self._referred_to(code, space).items()))
-        return {key: told for key, told in about.items() if told}
-
-    def _cell(self, cell: CellType) -> Json:
-        try:
-            return self.read(cell.cell_contents)
-        except ValueError:  # empty
-            return "not defined"
-
-    def _referred_to(self, code: CodeType, space: dict[str, object]) -> dict[str, Json]:
-        """The globals and imports of a function and of those within it, by the names
-        under which it uses them.
-        """
-        if doors := sorted(_DOORS.intersection(code.co_names)):
-            return {doors[0]: self._door(doors[0])}
-        uses: dict[str, Json] = {}
-        for path in _paths(code):
-            name, value = _followed(path, space)
-            if name not in uses:
-                uses[name] = "not defined" if value is _MISSING else self.read(value)
-        for name, level, within in _imports(code):
-            uses |= self._imported("." * level + name, within, space)
-        for each in code.co_consts:
-            if isinstance(each, CodeType):
-                uses = self._referred_to(each, space) | uses
-        return uses
-
-    def _imported(
-        self, name: str, within: tuple[str, ...], space: dict[str, object]
-    ) -> dict[str, Json]:
-        """A module that a function imports, its parents, and those modules that it
-        imports from `within` it, as wholes; only those of the user are imported.
-        """
-        try:
-            full = importlib.util.resolve_name(
-                name, str(space.get("__package__") or "")
-            )
-            if home := _installed(full):
-                return {full: f"{full}, {home}"}
-            parts = full.split(".")
-            wholes = [".".join(parts[: i + 1]) for i in range(len(parts))]
-            package = hasattr(importlib.import_module(full), "__path__")
-            inner = [f"{full}.{each}" for each in within if package]
-            wholes += [each for each in inner if importlib.util.find_spec(each)]
-            return {each: self.read(importlib.import_module(each)) for each in wholes}
-        except ModuleNotFoundError:
-            return {name: "not found"}
-        except Exception as error:  # whatever a module of the user does
-            why = f"which cannot be imported: {type(error).__name__}: {error}"
-            return {name: self._unknown(name, why)}
-
-
-_MISSING = object()
-
-
-def _holds_only_fields(kind: type) -> bool:
-    """Whether an object has no memory but that of its `__dict__` and its slots, as
-    `object.__reduce_ex__` asks it; false of all that derives from a dict, a float ...
-    """
-    has = [kind.__dictoffset__ > 0, kind.__weakrefoffset__ > 0]
-    names = len(copyreg._slotnames(kind))  # type: ignore[attr-defined]
-    most = object.__basicsize__ + _POINTER * (sum(has) + names)
-    return not kind.__itemsize__ and kind.__basicsize__ <= most
-
-
-def _code(code: CodeType) -> list[Any]:
-    """What a function of a user does, without where it stands."""
-    constants = [
-        _code(each) if isinstance(each, CodeType) else _constant(each)
-        for each in code.co_consts
-    ]
-    arguments = [code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount]
-    names = [*code.co_names, *code.co_varnames]
-    steps = code.co_code.hex() + code.co_exceptiontable.hex()
-    return [steps, names, arguments, code.co_flags, constants]
-
-
-def _paths(code: CodeType) -> Iterator[list[str]]:
-    """The global names that code loads, each with the attributes that it takes next."""
-    path: list[str] = []
-    for step in dis.get_instructions(code):
-        if path and step.opname in ("LOAD_ATTR", "LOAD_METHOD"):
-            path.append(step.argval)
-            continue
-        if path:
-            yield path
-        path = [step.argval] if step.opname in _LOADS else []
-    if path:
-        yield path
-
-
-def _followed(path: list[str], space: dict[str, object]) -> tuple[str, object]:
-    """What a path of names leads to, through modules of the user; and its name."""
-    name, *rest = path
-    value = space.get(name, getattr(builtins, name, _MISSING))
-    for attribute in rest:
-        if not isinstance(value, ModuleType) or _package(value.__name__):
-            break
-        name = f"{name}.{attribute}"
-        value = getattr(value, attribute, _MISSING)
-    return name, value
-
-
-def _imports(code: CodeType) -> Iterator[tuple[str, int, tuple[str, ...]]]:
-    """The imports within code: module, level, and what is taken from the module."""
-    before: list[Any] = [0, None]
-    for step in dis.get_instructions(code):
-        if step.opname == "IMPORT_NAME":
-            yield step.argval, before[-2], before[-1] or ()
-        before.append(step.argval)
-
-
-def _installed_name(value: object) -> str:
-    """What stands under its name in an installed package, by that and the version; a
-    text that is empty for all else.
-    """
-    if isinstance(value, ModuleType):
-        home = _installed(value.__name__)
-        return home and f"{value.__name__}, {home}"
-    name = getattr(value, "__qualname__", getattr(value, "__name__", None))
-    module = getattr(value, "__module__", None)
-    if module is None and isinstance(value, np.ufunc):
-        module = "scipy.special"
-    if not isinstance(name, str) or not isinstance(module, str):
-        return ""
-    found: Any = sys.modules.get(module)
-    for part in name.split("."):
-        found = getattr(found, part, None)
-    home = _installed(module)
-    if not home or not (found is value or isinstance(value, type)):
-        return ""
-    return name if _package(module) == _PACKAGE else f"{module}.{name}, {home}"
-
-
-def _unknown(value: object, why: str) -> Json:
-    return {_UNKNOWN: f"an object of the type {type(value).__name__}, {why}"}
-
-
-def _text(value: str | bytes) -> str:
+def _text(value: str | bytes | bytearray) -> Json:
     if isinstance(value, str) and len(value) <= _LONG_TEXT:
         return value
     data = value.encode("utf-8", "surrogatepass") if isinstance(value, str) else value
-    return f"{type(value).__name__} of length {len(value)}, digest {_digest(data)}"
+    return {f"({type(value).__name__})": f"length {len(value)}, digest {_digest(data)}"}
 
 
-def _constant(value: object) -> str:
-    return repr(sorted(map(repr, value)) if isinstance(value, frozenset) else value)
-
-
-def _digest(data: bytes) -> str:
+def _digest(data: bytes | bytearray) -> str:
     return hashlib.sha256(data).hexdigest()[:16]

@@ -8,14 +8,19 @@ import contextlib
 import ctypes
 import functools
 import os
+import pickle
+import signal
+import subprocess
 import sys
+import threading
 import time
 import uuid
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from importlib.util import find_spec
 from itertools import islice
+from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -26,7 +31,15 @@ from ..errors import ConvergenceWarning, InputError, warn
 from ..results.base import Quantity
 from ..results.doubts import FLAGS, TITLE, flags
 from .grid import Grid, grid, positional
-from .identity import modules_of_the_user
+from .identity import (
+    described,
+    installed_folders,
+    is_ours,
+    packed,
+    set_here,
+    standing,
+    unpacked,
+)
 from .storage import Alone, Files
 from .store import DONE, OPEN, RAISED, Parts, ZarrStore
 
@@ -46,35 +59,17 @@ _NEEDED = (
     "xarray",
     "zarr",
 )
+# what a pipe raises whose other end has ended, or that is closed
+_ENDED = (EOFError, OSError, ValueError, pickle.UnpicklingError)
+# as many processes compute as there are cores
+_ONE_CORE = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "MKL", "OPENBLAS")}
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt, malloc.h
-# by default the processes of Dask look after themselves 50 times a second, for 5 % of a
-# core
-_CALM = {
-    "DASK_DISTRIBUTED__ADMIN__TICK__INTERVAL": "1s",
-    "DASK_DISTRIBUTED__WORKER__MEMORY__MONITOR_INTERVAL": "1s",
-    "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False",
-    # a lost scheduler is said once, by the process that called
-    "DASK_LOGGING__DISTRIBUTED": "critical",
-}
 _LOGGED = 30  # seconds between two lines of progress in the log of a job
 _AHEAD = 4  # chunks under way or waiting for each thread of a worker
 # under way or waiting: clusters that adapt themselves grow to a worker for each five
 # seconds of work that they see
 _LEAST = 1000
 _LOOK = 5  # seconds between two looks at how large the cluster is
-_CLOSING = 5  # seconds for what is closed
-# Scheduler and workers of this machine end with the process that started them, even if
-# that is killed, and leave what is typed at its terminal, such as Ctrl-C, to it.
-_BOUND = """
-import os, threading, time
-if os.getpgrp() != os.getpid():
-    os.setpgid(0, 0)
-def watch():
-    while os.getppid() == {parent}:
-        time.sleep(0.5)
-    os._exit(1)
-threading.Thread(target=watch, daemon=True).start()
-"""
 
 
 @in_si
@@ -97,10 +92,11 @@ def sweep(
 
     Args:
         call: `em.friction`, `em.rolling`, `em.impact`, or a function of yours that
-            returns a result of one of these. When its code has changed, or anything
-            that this refers to (globals, functions, objects, modules of yours), it is
-            another call; files and environment that it reads are not looked at. Where
-            it refers to what cannot be compared, the store is not gone on with.
+            returns a result of one of these. It is sent to other processes, with all
+            that it refers to (globals, functions, objects, modules of yours), and is
+            another call when any of this is changed. These processes have nothing
+            else of the script: packages are as they are installed, caches empty.
+            Files and environment that a call reads are not looked at.
         axes: name of an argument to its values, in the order of the dimensions of the
             answer: numbers (`velocity`, `load`, `pressure`, `temperature`, ...),
             materials, shapes and surfaces, models, or whatever else the call accepts.
@@ -121,7 +117,8 @@ def sweep(
         messages stand in the attribute `raised`.
 
     Raises:
-        InputError: wrong axes; a store made with other inputs or by another version, in
+        InputError: wrong axes; what cannot be pickled, or rests on what was set in an
+            installed package; a store made with other inputs or by another version, in
             use by another process, or whose metadata are damaged; a disk that is full;
             packages of `elastomdr[sweep]` that are not installed.
         ConnectionError: the cluster was lost. What was done is kept.
@@ -132,9 +129,11 @@ def sweep(
             f"client must be a dask.distributed.Client or None, got {client!r}."
         )
     asked = grid(call, axes, fixed)
-    with Alone(files).held() as alone:
+    sent = packed(asked.parts())
+    told = described(sent)
+    with Alone(files).held() as alone, contextlib.closing(Process(sent)) as first:
         with files.told():
-            kept = ZarrStore(files, asked)
+            kept = ZarrStore(files, asked, told)
         if kept.damaged:
             warn(
                 f"{len(kept.damaged)} of {kept.state.size} chunks of store "
@@ -143,7 +142,11 @@ def sweep(
                 "written.",
                 UserWarning,
             )
-        _compute(asked, kept, alone, client, progress)
+        _check_installed(first, cast(dict[str, str], told["installed"]))
+        work = functools.partial(_on_this_machine, first)
+        if client is not None:
+            work = functools.partial(_on_cluster, client, sent)
+        _compute(asked, kept, alone, work, progress)
         with files.told():
             kept.finish()
     _warn_of_failures(asked, kept)
@@ -160,6 +163,24 @@ def _checked_store(store: object) -> Files:
     return Files(store)
 
 
+def _check_installed(process: Process, named: Iterable[str]) -> None:
+    """Raises `InputError` where something was set in what is installed: a process that
+    computes has it as it is installed.
+    """
+    try:
+        there = process.prepare({*named, *filter(is_ours, sys.modules)})
+    except _ENDED as error:
+        raise ConnectionError(
+            "a process that computes ended at once; what it said stands above."
+        ) from error
+    if changed := set_here(there):
+        raise InputError(
+            "call must not need what was set in an installed package, which the "
+            f"processes that compute do not have: {changed}. Set it within a function "
+            "that is the call."
+        )
+
+
 def _warn_of_failures(asked: Grid, kept: ZarrStore) -> None:
     """One warning of calls that raised, or else of points that did not converge."""
     if raised := kept.raised():
@@ -174,9 +195,13 @@ def _warn_of_failures(asked: Grid, kept: ZarrStore) -> None:
 
 
 def _compute(
-    asked: Grid, kept: ZarrStore, alone: Alone, client: Client | None, progress: bool
+    asked: Grid,
+    kept: ZarrStore,
+    alone: Alone,
+    work: Callable[..., Generator[tuple[int, Any]]],
+    progress: bool,
 ) -> None:
-    """Computes the chunks that are open, and keeps each."""
+    """Computes the chunks that are open by `work`, and keeps each."""
     from tqdm import tqdm
 
     chunks = asked.chunks()
@@ -197,14 +222,12 @@ def _compute(
         dynamic_ncols=True,
         mininterval=0.1 if sys.stderr.isatty() else _LOGGED,
     )
-    # it may kill this process
-    apart = len(todo) > 1 or not kept.raised().keys().isdisjoint(todo)
     with (
         bar,
-        _workers(client, len(todo) if apart else 0) as work,
         _writers(kept) as keep,
+        contextlib.closing(work(chunks, todo)) as finished,
     ):
-        for number, computed in work(asked, chunks, todo):
+        for number, computed in finished:
             alone.check()
             if isinstance(computed, str):
                 # it killed its workers, and is open for the next call
@@ -242,90 +265,130 @@ def _writers(kept: ZarrStore) -> Iterator[Callable[..., None]]:
             finish(0)
 
 
-@contextlib.contextmanager
-def _workers(
-    client: Client | None, count: int
-) -> Iterator[Callable[..., Iterator[tuple[int, Any]]]]:
-    """What computes chunks: the client's cluster, one of up to `count` processes of
-    this machine, or this process.
+class Process:
+    """A process of this machine that computes, and has nothing of this one but what it
+    is sent: no values, no modules of the user, no change of what is installed.
     """
-    if client is not None:
-        yield lambda *work: _on_cluster(client, *work)
-    elif not count or (cores := _cores()) < 2:
-        yield lambda asked, chunks, todo: (
-            (number, compute(asked, chunks[number])) for number in todo
+
+    def __init__(self, sent: bytes):
+        self.sent = sent
+        self._start()
+
+    def _start(self) -> None:
+        program = (
+            f"import sys; sys.path[:] = {installed_folders()!r}; "
+            f"from {__name__} import serve; serve({os.getpid()})"
         )
-    else:
-        with _local(min(count, cores)) as started:
-            yield lambda *work: _on_cluster(started, *work)
+        self._is_ready = self._is_closed = False
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", program],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=_ONE_CORE | os.environ,
+        )
 
+    def _answer(self, asked: object) -> Any:
+        process: Any = self._process
+        pickle.dump(asked, process.stdin)
+        process.stdin.flush()
+        answer = pickle.load(process.stdout)
+        if isinstance(answer, InputError):
+            raise answer
+        return answer
 
-@contextlib.contextmanager
-def _local(workers: int) -> Iterator[Client]:
-    """A client of a cluster of this machine, which is closed also where its scheduler
-    is gone.
-    """
-    from distributed import Client
+    def prepare(self, modules: Iterable[str] = ()) -> dict[str, dict[str, str]]:
+        """What stands there in modules that are installed. Raises `InputError`."""
+        standing = self._answer((self.sent, [*modules]))
+        self._is_ready = True
+        return standing
 
-    cluster = _cluster(workers)
-    try:
-        client = Client(cluster)
+    def compute(self, chunk: tuple[slice, ...]) -> Any:
+        """What came of a chunk; in words where that killed the process."""
         try:
-            yield client
-        finally:
-            with contextlib.suppress(Exception):
-                client.close(timeout=_CLOSING)
-    finally:
-        _close(cluster)
+            if not self._is_ready:
+                self.prepare()
+            return self._answer(chunk)
+        except _ENDED:
+            if not self._is_closed:
+                self.close()
+                self._start()
+            return "its process was killed, possibly for lack of memory."
+
+    def close(self) -> None:
+        self._is_closed = True
+        self._process.kill()
+        with contextlib.suppress(OSError):  # of what was not read
+            self._process.__exit__(None, None, None)
 
 
-def _close(cluster: Any) -> None:
-    from dask import config  # type: ignore[attr-defined]
-    from distributed.core import Status
+def serve(parent: int) -> None:
+    """What such a process does, until that which started it has ended."""
+    asked, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    os.dup2(2, 1)  # what a call prints
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is ended by its parent
 
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(0.5)
+        os._exit(1)
+
+    def answer(what: object) -> None:
+        pickle.dump(what, answers)
+        answers.flush()
+
+    threading.Thread(target=watch, daemon=True).start()
+    sent, modules = pickle.load(asked)
     try:
-        with config.set({"distributed.comm.timeouts.connect": _CLOSING}):
-            cluster.close(timeout=_CLOSING)
-    except Exception:  # what cannot be asked to end is ended
-        for started in (cluster.scheduler, *cluster.workers.values()):
-            with contextlib.suppress(AttributeError, ProcessLookupError):
-                started.process.kill()
-        cluster.status = Status.closed
+        points = _given(sent)
+        answer(standing(modules))
+        while True:
+            answer(compute(points, pickle.load(asked)))
+    except InputError as error:
+        answer(error)
+    except EOFError:
+        return
 
 
-def _cluster(workers: int) -> Any:
-    """Processes of this machine that import nothing of the user's script, which
-    therefore needs no main guard.
+def _on_this_machine(
+    first: Process, chunks: list[tuple[slice, ...]], todo: list[int]
+) -> Generator[tuple[int, Any]]:
+    """Chunks as they are finished, in any order, by one process for each core; a few
+    are under way.
     """
-    if sys.platform == "win32":
-        from distributed import LocalCluster
+    count = max(1, min(len(todo), _cores()))
+    processes = [first, *(Process(first.sent) for _ in range(count - 1))]
+    idle: SimpleQueue[Process] = SimpleQueue()
+    for process in processes:
+        idle.put(process)
 
-        return LocalCluster(
-            n_workers=workers, threads_per_worker=1, dashboard_address=None
-        )
-    from distributed.deploy.subprocess import SubprocessCluster
+    def computed(number: int) -> tuple[int, Any]:
+        process = idle.get()
+        try:
+            return number, process.compute(chunks[number])
+        finally:
+            idle.put(process)
 
-    added = {name: value for name, value in _CALM.items() if name not in os.environ}
-    os.environ.update(added)
-    bound = _BOUND.format(parent=os.getpid())
+    waiting = iter(todo)
+    under_way: set[Future[tuple[int, Any]]] = set()
+    threads = ThreadPoolExecutor(count)
     try:
-        return SubprocessCluster(
-            host="127.0.0.1",
-            n_workers=workers,
-            threads_per_worker=1,
-            dashboard_address=cast(str, None),
-            silence_logs=50,
-            scheduler_kwargs={"preload": bound},
-            worker_kwargs={"preload_nanny": bound},
-        )
+        while True:
+            for number in islice(waiting, 2 * count - len(under_way)):
+                under_way.add(threads.submit(computed, number))
+            if not under_way:
+                return
+            done, under_way = wait(under_way, return_when=FIRST_COMPLETED)
+            yield from (each.result() for each in done)
     finally:
-        for name in added:
-            del os.environ[name]
+        threads.shutdown(wait=False, cancel_futures=True)
+        for process in processes:
+            process.close()
 
 
 def _on_cluster(
-    client: Client, asked: Grid, chunks: list[Any], todo: list[int]
-) -> Iterator[tuple[int, Any]]:
+    client: Client, sent: bytes, chunks: list[Any], todo: list[int]
+) -> Generator[tuple[int, Any]]:
     """Chunks as they are finished, in any order; a few per worker are under way at a
     time.
 
@@ -337,7 +400,7 @@ def _on_cluster(
     from distributed.utils import CancelledError, TimeoutError  # type: ignore[attr-defined]
 
     # unlike scattered data made again if lost
-    shared = client.submit(_given, _pickled(asked), pure=False) if todo else None
+    shared = client.submit(_given, sent, pure=False) if todo else None
     suspects: list[int] = []
     try:
         for number, outcome in _as_completed(client, shared, chunks, todo, alone=False):
@@ -365,7 +428,7 @@ def _on_cluster(
 
 def _as_completed(
     client: Client, shared: Any, chunks: list[Any], todo: list[int], *, alone: bool
-) -> Iterator[tuple[int, Any]]:
+) -> Generator[tuple[int, Any]]:
     """The chunks of a list with what came of them, or that they killed their workers;
     at most so many under way.
     """
@@ -408,46 +471,9 @@ def _as_completed(
             client.cancel(list(under_way.values()))
 
 
-def _pickled(asked: Grid) -> bytes:
-    """For other processes, with the modules of the user as they are in this one; those
-    that cannot be pickled are imported there. Raises `InputError`.
-    """
-    import cloudpickle
-
-    modules = modules_of_the_user()
-    by_value = set(modules) - {
-        sys.modules[name]
-        for name in cloudpickle.list_registry_pickle_by_value()
-        if name in sys.modules
-    }
-    try:
-        for module in by_value:
-            cloudpickle.register_pickle_by_value(module)
-        with contextlib.suppress(Exception):  # what a class of anybody raises
-            return cloudpickle.dumps(asked)
-    finally:
-        for module in by_value:
-            cloudpickle.unregister_pickle_by_value(module)
-    try:
-        return cloudpickle.dumps(asked)
-    except Exception as error:  # of another class with each of them
-        raise InputError(
-            "call, axes and fixed arguments must be such that they can be pickled, for "
-            f"other processes: {error}"
-        ) from error
-
-
-def _given(pickled: bytes) -> Grid:
-    """What a worker computes. Raises `InputError` where it lacks a module for that."""
-    import cloudpickle
-
-    try:
-        return cloudpickle.loads(pickled)
-    except ImportError as error:
-        raise InputError(
-            "call, axes and fixed arguments must be of modules that the workers can "
-            f"import: {error}."
-        ) from error
+def _given(sent: bytes) -> Grid:
+    """What a worker computes."""
+    return unpacked(sent)["points"]
 
 
 def compute(

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from .. import __version__
-from ..errors import InputError, warn
+from ..errors import InputError
 from .grid import Grid
-from .identity import Json, difference, not_comparable
+from .identity import Json, difference
 from .storage import Files, remembered
 
 if TYPE_CHECKING:
@@ -148,10 +148,11 @@ class ZarrStore:
     anew, and so is a chunk whose files are not those of its record.
     """
 
-    def __init__(self, files: Files, grid: Grid):
+    def __init__(self, files: Files, grid: Grid, made_of: Mapping[str, Json]):
+        """`made_of` is what a store has to have been made of to be gone on with."""
         self.files, self._grid, self._chunks = files, grid, grid.chunks()
         self._making = threading.Lock()  # held while an array is made
-        self._group: Any = self._open_group(grid.identity(__version__))
+        self._group: Any = self._open_group({"elastomdr": __version__, **made_of})
         self._record = Record(files, self._group.store.checksums)
         present = [
             name for name in self._record.arrays if self._record.array_is_there(name)
@@ -173,7 +174,7 @@ class ZarrStore:
 
     def _open_group(self, identity: Json) -> Any:
         """The group, which says what it is made of. Raises `InputError` where that is
-        something else, or not known.
+        something else.
         """
         import zarr
 
@@ -191,13 +192,6 @@ class ZarrStore:
             told = None
         except (ValueError, TypeError) as error:
             raise damaged(place, ".zattrs") from error
-        unknown = not_comparable(identity)
-        if told is not None and unknown:
-            raise InputError(
-                f"store {place!r} cannot be gone on with: whether it was made with the "
-                f"same inputs is not known, since {unknown}. Give another store, or "
-                "remove this one."
-            )
         if told is not None and (mismatch := difference(told, identity)):
             raise InputError(
                 f"store {place!r} was made with other inputs: {mismatch}. Give "
@@ -217,12 +211,6 @@ class ZarrStore:
         )
         if told is None:
             group.attrs[_MADE_OF] = json.dumps(identity)
-            if unknown:
-                warn(
-                    f"store {place!r} cannot be gone on with once this call has ended: "
-                    f"{unknown}.",
-                    UserWarning,
-                )
         return group
 
     def _set_aside(self) -> dict[int, str]:
