@@ -22,7 +22,7 @@ ROOMS = {
     "smooth": 48,
     "seal": 40,
     "results": 37,
-    "io": 35,
+    "io": 36,
     "surface": 30,
     "app": 29,
     "cli": 25,

@@ -103,7 +103,7 @@ def test_cycles_in_one_table(tmp_path):
         holds_first_creep(em.read_dma(file, **SHEAR))
     # a compliance alone: it falls where the stress is taken away
     file.write_text(table("time [s],J(t) [1/Pa]", columns[0], columns[2] / STRESS))
-    with warned(FitWarning, "creep turns back"), warned(FitWarning, UNTOLD):
+    with warned(FitWarning, "creep falls there"), warned(FitWarning, UNTOLD):
         dma = em.read_dma(file, **SHEAR)
     assert 25 <= dma.time.size <= 35  # elastic recovery is a third of it
     np.testing.assert_allclose(1 / dma.relaxation[:25], compliance(TIME), rtol=1e-5)
@@ -151,8 +151,10 @@ def test_a_strain_and_a_compliance_say_what_the_stress_was(tmp_path):
     file.write_text(table(title, t, 100 * ramped(t), ramped(t) / (50 * t)))
     with refused("", "stress"):
         em.read_dma(file, **SHEAR)
+    # constant by construction where J is strain over what was set: nothing tells
     file.write_text(table(title, t, 100 * STRESS * compliance(t), compliance(t)))
-    read = em.read_dma(file, **SHEAR)
+    with warned(FitWarning, UNTOLD):
+        read = em.read_dma(file, **SHEAR)
     np.testing.assert_allclose(1 / read.relaxation, compliance(t), rtol=1e-6)
 
 
@@ -220,25 +222,155 @@ def test_forces_angles_and_rates_say_that_nothing_was_held(tmp_path, titles):
     ("titles", "columns"),
     [
         ("time [s],torque [mNm],J [1/Pa]", (0 * T + 2, compliance(T))),
-        ("time [s],angle [mrad],J [1/Pa]", (3 * compliance(T), compliance(T))),
         ("time [s],displacement [mm],G(t) [Pa]", (0 * T - 0.1, relaxation(T))),
-        ("time [s],force [N],G(t) [Pa]", (2 * relaxation(T), relaxation(T))),
-        ("time [s],P,J [1/Pa]", (3 * compliance(T), compliance(T))),
-        ("time [s],P [V],G(t) [Pa]", (3 * relaxation(T), relaxation(T))),
         ("time [s],crosshead [mm],G(t) [Pa]", (0 * T + 3, relaxation(T))),
         ("time [s],Standardkraft [N],J [1/Pa]", (0 * T + 3, compliance(T))),
+        # compression with its sign
+        ("time [s],stress [Pa],J [1/Pa]", (0 * T - 1000, compliance(T))),
+        ("time [s],strain [%],G(t) [Pa]", (0 * T - 1, relaxation(T))),
+        ("time [s],strain [-],stress [Pa]", (0 * T - 1, -relaxation(T))),
         (
             "time [s],torque [mNm],normal force [N],gap [mm],J [1/Pa]",
+            (0 * T + 2, np.cos(T), 1 + T, compliance(T)),
+        ),
+        (
+            "time [s],torque [mNm],수직력 [N],간격 [mm],J [1/Pa]",
             (0 * T + 2, np.cos(T), 1 + T, compliance(T)),
         ),
     ],
 )
 def test_forces_angles_and_rates_of_what_was_held(tmp_path, titles, columns):
     file = tmp_path / "test.csv"
-    file.write_text(table(titles, T, *columns))
+    file.write_text(table(titles, T, *columns), encoding="utf-8")
     read = em.read_dma(file, **SHEAR)
-    last = columns[-1] if "G(t)" in titles else 1 / columns[-1]
+    last = 1 / columns[-1] if "J" in titles else np.abs(columns[-1])
     np.testing.assert_allclose(read.relaxation, last, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("titles", "scale"),
+    [
+        ("t [s],strain [%],J [1/Pa]", 1e5),
+        ("t [s],angle [mrad],J [1/Pa]", 3.0),
+        ("t [s],displacement [mm],J [1/Pa]", 3.0),
+        ("t [s],P,J [1/Pa]", 3.0),
+        ("t [s],stress [Pa],G(t) [Pa]", 0.01),
+        ("t [s],force [N],G(t) [Pa]", 2.0),
+        ("t [s],torque [mNm],G(t) [Pa]", 2.0),
+        ("t [s],P [V],G(t) [Pa]", 3.0),
+    ],
+)
+def test_what_a_column_was_made_of_proves_nothing(tmp_path, titles, scale):
+    """J is strain over the stress that was set, also while it is no longer held; G is
+    stress over the strain that was set, also while it is still on its way.
+    """
+    file, t = tmp_path / "test.csv", np.arange(1.0, 33.0)
+    creep = "J" in titles
+    grown = compliance(t) - np.where(t > 16, compliance(t - 16), 0.0)
+    eased = np.where(t > 3, relaxation(t - 3), relaxation(0) * t / 3)
+    values, rows = (grown, slice(0, 16)) if creep else (eased, slice(2, 32))
+    file.write_text(table(titles, t, scale * values, values))
+    with (
+        warned(FitWarning, UNTOLD),
+        warned(FitWarning, "falls there" if creep else "rises there"),
+    ):
+        read = em.read_dma(file, **SHEAR)
+    np.testing.assert_allclose(read.time, t[rows])
+    np.testing.assert_allclose(
+        read.relaxation, values[rows] ** (-1.0 if creep else 1.0)
+    )
+    # it grows, or falls, all along
+    wrong = compliance(t)[::-1] if creep else 50 * t
+    file.write_text(table(titles, t, scale * wrong, wrong))
+    with refused("", "is not held"):
+        em.read_dma(file, **SHEAR)
+
+
+def test_of_a_relaxation_alone_the_rise_is_cut(tmp_path):
+    """A strain is ramped up in 3 s; the fall is what is wanted."""
+    t, file = np.arange(1.0, 41.0), tmp_path / "rise.csv"
+    modulus = np.where(t > 3, relaxation(t - 3), relaxation(0) * t / 3)
+    file.write_text(table("t [s],G(t) [Pa]", t, modulus))
+    with warned(FitWarning, UNTOLD), warned(FitWarning, "2 rows", "line 2"):
+        dma = em.read_dma(file, **SHEAR)
+    np.testing.assert_allclose(dma.relaxation, modulus[2:])
+
+
+@pytest.mark.parametrize(
+    "beside",
+    ["measured stress [Pa]", "shear stress [kPa]", "force [N]", "Spannung real"],
+)
+def test_a_measured_stress_overrules_the_one_that_was_set(tmp_path, beside):
+    file = tmp_path / "set.csv"
+    columns = T, 0 * T + 1000, 50 * T, GROWN / (50 * T)
+    file.write_text(table(f"t [s],stress [Pa],{beside},J [1/Pa]", *columns))
+    with refused("", beside):
+        em.read_dma(file, **SHEAR)
+    file.write_text(
+        table(f"t [s],stress [Pa],{beside},strain [-]", *columns[:3], GROWN)
+    )
+    with refused("", "both"):
+        em.read_dma(file, **SHEAR)
+    said = em.read_dma(file, columns={"stress": "1 kPa"}, **SHEAR)
+    np.testing.assert_allclose(said.relaxation, 1000 / GROWN, rtol=1e-6)
+
+
+@pytest.mark.parametrize("blocks", [False, True])
+@pytest.mark.parametrize("response", ["creep", "relaxation"])
+def test_times_that_begin_again_are_another_step(tmp_path, response, blocks):
+    """Of the same specimen, which remembers the first."""
+    t, file = np.arange(1.0, 21.0), tmp_path / "again.csv"
+    loads, ratio = (1000.0, 2000.0), compliance(t)
+    titles, title = "time [s],stress [Pa],J [1/Pa]", "time [s],J [1/Pa]"
+    if response == "relaxation":
+        loads, ratio = (0.01, 0.02), relaxation(t)
+        titles, title = "time [s],strain [-],G(t) [Pa]", "time [s],G(t) [Pa]"
+    for with_load in (True, False):
+        runs = [
+            (t, *[0 * t + load] * with_load, ratio * (1 + 0.2 * i))
+            for i, load in enumerate(loads)
+        ]
+        heads = titles if with_load else title
+        text = table(heads, *(np.concatenate(of) for of in zip(*runs, strict=True)))
+        if blocks:
+            parts = (table(heads, *run) for run in runs)
+            text = "\n\n".join(f"Interval:\t{i}\n\n{p}" for i, p in enumerate(parts))
+        file.write_text(text)
+        with pytest.warns(FitWarning) as caught:
+            dma = em.read_dma(file, **SHEAR)
+        said = "a second" if blocks else "times begin again"
+        assert any(said in str(one.message) for one in caught)
+        np.testing.assert_allclose(dma.time, t)
+        np.testing.assert_allclose(
+            dma.relaxation, ratio ** (-1.0 if response == "creep" else 1.0)
+        )
+
+
+def test_blocks_with_temperatures_of_the_user_are_isotherms(tmp_path):
+    file = tmp_path / "blocks.csv"
+    parts = [table("time [s],G(t) [Pa]", TIME, relaxation(TIME) * i) for i in (1, 2)]
+    file.write_text("\n\n".join(parts))
+    said = {"kind": "shear", "temperature": [296.15, 316.15]}
+    with warned(FitWarning, UNTOLD):
+        assert em.read_dma(file, **said).time.size == 50
+
+
+@pytest.mark.parametrize(
+    "title",
+    [
+        "Real-time stress [Pa]",
+        "temperature-compensated torque [uNm]",
+        "Stress modulated [Pa]",
+        "normalized stress [Pa]",
+        "Real-time displacement [mm]",
+        "elapsed force [N]",
+    ],
+)
+def test_the_unit_of_a_load_wins_over_words_of_its_title(tmp_path, title):
+    file = tmp_path / "ramp.csv"
+    file.write_text(table(f"t [s],{title},J [1/Pa]", T, 50 * T, GROWN / (50 * T)))
+    with refused("", title):
+        em.read_dma(file, **SHEAR)
 
 
 @pytest.mark.parametrize(
@@ -246,6 +378,11 @@ def test_forces_angles_and_rates_of_what_was_held(tmp_path, titles, columns):
     [
         ("", None),
         ("no", np.arange(1, T.size + 1)),
+        ("Meas. Pts.", np.arange(1, T.size + 1) + (np.arange(T.size) > 20)),
+        ("point", np.arange(10, 10 * T.size + 1, 10)),
+        ("elapsed", 5 + T),
+        ("humidity [%]", 40 + T / 10),
+        ("shear modulus [Pa]", relaxation(T)[::-1]),
         ("status", 0 * T),
         ("normal force [N]", np.cos(T)),
         ("gap [mm]", 1 + T / 100),

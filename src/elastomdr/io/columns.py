@@ -75,6 +75,7 @@ class Column(NamedTuple):
     log: str = ""  # of `LOGS`; "log" where the base is not said
     known: bool = True  # whether the unit is one of the quantity
     users: bool = False  # whether the unit is the user's word, whatever the title says
+    sign: float = 1.0  # -1 of compression
 
     @property
     def role(self) -> str:
@@ -101,7 +102,7 @@ class Column(NamedTuple):
         numbers = table.column(self.place)
         with np.errstate(over="ignore"):
             numbers = LOGS[self.log] ** numbers if self.log else numbers
-        return numbers * factor + offset
+        return self.sign * numbers * factor + offset
 
 
 def logarithm(title: str) -> tuple[str, str]:

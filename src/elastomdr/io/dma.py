@@ -134,7 +134,9 @@ def read_dma(
         },
     )
     specimen = _specimen(area, length, ramp, storage_only)
-    options = _Options(kind, columns, units, specimen)
+    options = _Options(
+        kind, columns, units, specimen, isinstance(temperature, (Sequence, np.ndarray))
+    )
     unmet = dict(columns or {})
     parts = [
         measurement
@@ -161,6 +163,7 @@ class _Options(NamedTuple):
     columns: Mapping[str, str | int] | None
     units: dict[str, str]  # by kind
     specimen: Specimen
+    isotherms: bool  # whether each without a temperature is given its own
 
 
 def _checked_sources(path_or_paths: object) -> list[Any]:
@@ -232,7 +235,8 @@ def _read(source: Any, options: _Options, unmet: dict[str, str | int]) -> list[D
             continue
         try:
             measurement = _measurement(layout, table, columns, options)
-            _refuse_second_step(measurement, table, measurements, used, before)
+            own = options.isotherms and not measurement.has_temperatures
+            _refuse_second_step(measurement, table, measurements, used, before, own)
         except NoStep as error:
             refused.append(error)
             before = max(before, error.ended)
@@ -272,9 +276,11 @@ def _refuse_second_step(
     others: Sequence[Dma],
     used: Sequence[TitledTable],
     before: float,
+    own: bool,
 ) -> None:
     """Raises `NoStep` for a step of stress or strain that remembers one before it in
-    the file, which ended at `before` [s].
+    the file, which ended at `before` [s]; the user may give each a temperature of its
+    `own`.
     """
     if _ended(measurement) == -np.inf:
         return
@@ -285,7 +291,7 @@ def _refuse_second_step(
         for one, rows in zip(others, used, strict=True)
         if one.response == measurement.response and rows.rows[-1].line < line
     ]
-    apart = [abs(one.time_temperature[0] - kelvin) > _APART for one in above]
+    apart = [own or abs(one.time_temperature[0] - kelvin) > _APART for one in above]
     if measurement.time.min() > before > 0:
         on = f"the times from line {line} on count on from the step before"
         advice = "write seconds since their own step"
@@ -297,11 +303,11 @@ def _refuse_second_step(
             or measurement.relaxation[0] * (1 - BACK) > above[-1].relaxation[-1]
         ):
             raise NoStep(table, on, advice, _ended(measurement))
-    elif measurement.response == "creep" and not all(apart):
+    elif not all(apart):
         raise NoStep(
             table,
-            f"the rows from line {line} on are a second creep at one temperature, "
-            "which remembers the first",
+            f"the rows from line {line} on are a second {measurement.response} at one "
+            "temperature, which remembers the first",
             "give it alone, in a file of its own",
             _ended(measurement),
         )
@@ -388,6 +394,10 @@ def _measurement(
         table, response, rest = while_held(
             table, beside, needed[1], kind, options.specimen.ramp or 0.0
         )
+        for role in {"stress", "strain"} & chosen.keys():
+            column = chosen[role]
+            if not column.log and np.nanmedian(table.column(column.place)) < 0:
+                chosen[role] = column._replace(sign=-1.0)
     values, good, bad = measured(table, chosen)
     if not good.any():
         why = (

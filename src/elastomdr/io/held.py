@@ -30,15 +30,24 @@ _HELD = {"creep": "stress", "relaxation": "strain"}
 _EXAMPLE = {"creep": "0.1 MPa", "relaxation": "1 %"}
 # what a column is by the kind of its unit, or, where it has none, by its title
 _BY_UNIT = (
-    ("stress", ("pressure", "force", "torque"), "(?!)"),
-    ("strain", ("length", "angle"), "(?!)"),
     ("rate", ("angular frequency", "velocity"), r"rate|dot\b|speed|\u0307"),
+    ("stress", ("pressure", "force", "torque"), r"stress|spannung"),
+    ("strain", ("length", "angle"), r"strain|dehnung"),
     ("viscosity", ("viscosity",), r"visc|viskos|^(eta|\u03b7)"),
     ("", (), ""),
 )
-# titles of what may change while a step is held
-_CHANGES = r"temp|time|zeit|modul|energ|error|std"
-_CHANGES_IN_SHEAR = rf"{_CHANGES}|normal|axial|gap|spalt|thick|dicke|\bN_?[12]|\bF_?N\b"
+# titles of what may change while a step is held, with the unit of a load, and without
+_CHANGES = r"modul(us|i|e|n)?\b|energ|\b(error|std)"
+_CHANGES_IN_SHEAR = (
+    rf"{_CHANGES}|normal(?!i[sz])|axial|gap|spalt|thick|dicke|\bN_?[12]|\bF_?N\b|"
+    "\ubc95\uc120|\uc218\uc9c1|\uac04\uaca9|\uac2d"
+)
+_COUNTS = (
+    r"temp|time|zeit|elapsed|humid|feucht|"
+    r"^((meas|mess|data)\w*\.? ?)?(pts?|points?|punkte?|no|nr|number|index|count|row)\.?$"
+)
+_APART = 0.5  # [K], within which two temperatures are one
+_AGAIN = 0.5  # share of the last time before which a time begins again
 
 
 class NoStep(InputError):
@@ -67,9 +76,11 @@ class _Load(NamedTuple):
         where it does not say.
 
         Compliance is strain over stress, modulus stress over strain (`ratio`): a column
-        of one of them gives the other.
+        of one of them gives the other, which tells where it varies, but is constant by
+        construction where the ratio was made with one number.
         """
         role, numbers = self.role, self.numbers[rows]
+        numbers = numbers * np.copysign(1.0, np.nansum(numbers))  # compression
         if role == "rate" and not _varies(numbers):
             role, numbers = "strain", numbers * time[rows]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -101,8 +112,10 @@ def while_held(
 
     Compliance and modulus are columns of flow curves and ramps too: whatever is, by
     title or unit, in proportion to stress, strain or its rate must say that the step
-    is held, and what has neither must not grow or fall all along. Rows within the
-    `ramp` [s] are not looked at. Raises `InputError`.
+    is held. What has no column of what was held must not fall (compliance) or rise
+    (modulus): there the rows end, or, where a modulus rises at first, begin. Of runs at
+    one temperature, where times begin again, the first is read. Rows within the `ramp`
+    [s] are not looked at. Raises `InputError`.
     """
     count = len(table.rows)
     time = np.arange(float(count))
@@ -119,30 +132,47 @@ def while_held(
             for one in loads
             if one.role == role
         }
+    kelvin = np.full(count, np.nan)
+    if "temperature" in columns:
+        kelvin = table.column(columns["temperature"].place)
     kept = [np.flatnonzero(~np.isfinite(time))]  # named later as no measurement
+    ended: list[tuple[float, float]] = []  # temperature and last time of each curve
+    again: list[int] = []  # where times begin again
     found: set[str] = set()
     told = False
     for curve in _curves(time):
         late = curve[time[curve] > ramp]
+        known = kelvin[curve][np.isfinite(kelvin[curve])]
+        own = float(np.median(known)) if known.size else np.nan
+        if any(
+            not abs(own - other) > _APART and time[curve[0]] < _AGAIN * last
+            for other, last in ended
+        ):
+            again.append(int(curve[0]))
+            continue
         held, varies = {}, ""
         for way, loads in ways.items():
-            said = {
-                one.name: rows
-                for one in loads
-                if (rows := one.held(ratio, time, late, way == "creep")) is not None
-            }
-            told |= bool(said)
-            rows = next(iter(said.values()), slice(_turn(ratio[late], way)))
+            said, sure = {}, False
+            for one in loads:
+                rows = one.held(ratio, time, late, way == "creep")
+                if rows is not None:
+                    said[one.name] = rows
+                    sure |= one.role == _HELD[way]
+            if not sure:
+                said[columns[measured_as].words] = _turn(ratio[late], way)
+            told |= sure
             varies = next((name for name in said if not said[name].stop), "")
             if not varies:
-                held[way] = late[rows]
+                start = max(rows.start for rows in said.values())
+                held[way] = late[start : min(rows.stop for rows in said.values())]
         if len(held) == 1:
             ((response, rows),) = held.items()
             found.add(response)
             kept += [np.setdiff1d(curve, late), rows]
+            ended.append((own, float(time[curve[-1]])))
         elif not found:
-            ended = float(np.nanmax(time, initial=0.0))
-            raise NoStep(table, *_not_held([*ways], bool(held), table, varies), ended)
+            last = float(np.nanmax(time, initial=0.0))
+            raise NoStep(table, *_not_held([*ways], bool(held), table, varies), last)
         else:  # what follows remembers this
             break
     if len(found) > 1:
@@ -156,12 +186,14 @@ def while_held(
     remarks = [untold] * (not told and not ramp)
     places = np.sort(np.concatenate(kept))
     if places.size < count:
-        line = table.rows[int(np.setdiff1d(np.arange(count), places)[0])].line
-        why = (
-            f"{load} is not held there"
-            if told
-            else f"{measured_as} turns back there, as after another step"
-        )
+        first = int(np.setdiff1d(np.arange(count), places)[0])
+        line = table.rows[first].line
+        why = f"{load} is not held there"
+        if first in again:
+            why = "times begin again there, as of another step"
+        elif not told:
+            way = "falls" if response == "creep" else "rises"
+            why = f"{measured_as} {way} there, as while {load} changes"
         remarks += [
             f"{table.name}: {count - places.size} rows (line {line} on) left out: "
             f"{why}."
@@ -174,8 +206,8 @@ def _loads(
     table: TitledTable, columns: Mapping[str, Column], kind: Kind, held: str
 ) -> list[_Load]:
     """What may tell whether stress or strain was held: what the user gives for all
-    rows and the columns of both, or else all others with a unit of load, motion or its
-    rate, or without any.
+    rows, or the columns of what was held and all others of its kind, or, without any,
+    whatever has a unit of load, motion or its rate, or none.
     """
     titled = [
         _Load(role, role, True, np.ones(len(table.rows)))
@@ -184,24 +216,34 @@ def _loads(
         for role in _HELD.values()
         if role in table.fixed or (role in columns and columns[role].known)
     ]
-    if titled or not held:
-        return [one for one in titled if one.role == held] or titled
-    loads = []
+    loads = [one for one in titled if one.role == held] or titled
+    if any(one.name in table.fixed for one in loads):
+        return loads
+    wanted = {one.role for one in loads}
+    if held and held not in wanted:
+        wanted = {role for role, *_ in _BY_UNIT}
     used = {one.place for one in columns.values() if one.known}
-    changes = _CHANGES_IN_SHEAR if kind == "shear" else _CHANGES
+    always = _CHANGES_IN_SHEAR if kind == "shear" else _CHANGES
     for head in table.heads:
         title, unit = titled_unit(head, *KINDS)
         column = understand(head, QUANTITIES)
-        known = column and column.known and column.quantity.kind != "viscosity"
-        if known or head.place in used or re.search(changes, title, re.IGNORECASE):
+        told = column.quantity if column and column.known else None
+        if head.place in used or (
+            told and told.kind != "viscosity" and told.role not in _HELD.values()
+        ):
+            continue
+        if re.search(always, title, re.IGNORECASE):
             continue
         bare = not unit or to_si(unit, "ratio") is not None
         for role, kinds, pattern in _BY_UNIT:
             if any(to_si(unit, kind) for kind in kinds) or (
                 bare and re.search(pattern, title, re.IGNORECASE)
             ):
-                numbers = np.abs(table.column(head.place))
-                loads.append(_Load(head.words, role, False, numbers))
+                counts = bare and role in ("", "rate")
+                counts = counts and re.search(_COUNTS, title, re.IGNORECASE)
+                if role in wanted and not counts:
+                    numbers = table.column(head.place)
+                    loads.append(_Load(head.words, role, False, numbers))
                 break
     return loads
 
@@ -267,21 +309,32 @@ def _run(numbers: np.ndarray) -> slice:
     return slice(0, 0)
 
 
-def _turn(numbers: np.ndarray, response: str) -> int:
-    """How many rows there are before a compliance falls, or a modulus rises, by more
-    than noise and ringing do.
+def _turn(numbers: np.ndarray, response: str) -> slice:
+    """Over which rows a compliance grows, or a modulus falls once its strain is
+    reached, but for noise and ringing; none where these are few.
     """
-    known = np.where(np.isfinite(numbers), numbers, 0.0)
-    if response == "creep":
+    creep = response == "creep"
+    places = np.flatnonzero(np.isfinite(numbers) if creep else numbers > 0)
+    known = numbers[places]
+    start = 0
+    if not creep and known.size:
+        fallen = known < np.maximum.accumulate(known) / _CONSTANT
+        top = int(known[: np.argmax(fallen) or known.size].argmax())
+        start = top if known[0] < (1 - BACK) * known[top] else 0
+        known = known[start:]
+    if creep:
         back = known < (1 - BACK) * np.maximum.accumulate(known)
     else:
-        known = np.where(known > 0, known, np.inf)
-        largest = known[np.isfinite(known)].max(initial=0.0)
-        back = known > np.minimum.accumulate(known) + BACK * largest
-        back &= np.isfinite(known)
-    if back.sum() <= _RINGING * numbers.size:
-        return numbers.size
-    return int(np.argmax(back))
+        back = known > np.minimum.accumulate(known) + BACK * known.max(initial=0.0)
+    stop = known.size
+    if back.sum() > _RINGING * stop:
+        grows = np.diff(known[: np.argmax(back) + 1]) * (1 if creep else -1) >= 0
+        stop = int(np.flatnonzero(grows).max(initial=-1)) + 2
+    if stop < min(_FEWEST_HELD, places.size) or start > places.size / 2:
+        return slice(0, 0)
+    # of no rows all are left, to be named as what they are
+    end = places[start + stop] if start + stop < places.size else numbers.size or 1
+    return slice(int(places[start]) if start else 0, int(end))
 
 
 def _curves(time: np.ndarray) -> list[np.ndarray]:
