@@ -13,6 +13,7 @@ import pytest
 import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.fit import FitWarning
+from elastomdr.io.point_tables import vertical_factors
 
 from ..refused import mentions, refused, warned
 from .cases import twins
@@ -805,7 +806,13 @@ def test_what_cannot_be_vertical_factors_is_not_taken_for_them(tmp_path, title):
     np.testing.assert_allclose(shift.log10_a_table, np.log10([1e5, 30, 1]))
 
 
-@pytest.mark.parametrize("title", ["log aT WLF", "aT fit", "a_T (smoothed)"])
+@pytest.mark.parametrize(
+    "title",
+    [
+        *("log aT WLF", "aT fit", "a_T (smoothed)", "WLF", "WLF aT", "log WLF aT"),
+        *("shift factor WLF", "WLF shift factor"),
+    ],
+)
 def test_a_second_shift_that_differs_is_refused(tmp_path, title):
     file, logs = tmp_path / "shifts.csv", np.array([4.6, 1.3, 0.0])
     second = logs if "log" in title else 10**logs
@@ -818,6 +825,40 @@ def test_a_second_shift_that_differs_is_refused(tmp_path, title):
     named = f"log10({title})" if "log" in title else title
     by_user = em.read_shifts(file, columns={"shift": named})
     np.testing.assert_allclose(by_user.log10_a_table, logs)
+
+
+@pytest.mark.parametrize("title", ["aT uncertainty", "95% CI", "aT 95% CI", "aT sd"])
+def test_the_uncertainty_of_a_shift_is_no_second_shift(tmp_path, title):
+    file = tmp_path / "shifts.csv"
+    file.write_text(f"T [C],log aT,{title}\n-20,5,0.3\n0,1.5,0.2\n20,0,0.1")
+    np.testing.assert_allclose(em.read_shifts(file).log10_a_table, [5, 1.5, 0])
+
+
+def test_vertical_factors_under_another_title_where_no_shift_is_one(tmp_path):
+    file = tmp_path / "shifts.csv"
+    file.write_text("T [C],aT,y-shift\n-20,1e5,1.3\n0,30,1.1\n25,0.4,0.98")
+    with warned(FitWarning, "3 'y-shift'", "title it so"):
+        em.read_shifts(file)
+
+
+@pytest.mark.parametrize("least", ["0", "-0.04"])
+def test_vertical_factors_in_logarithms_are_refused_by_name(tmp_path, least):
+    file = tmp_path / "shifts.csv"
+    file.write_text(f"T [C],aT,bT\n-20,1e5,0.11\n0,30,0.05\n20,1,{least}")
+    with refused("", "3 'bT'", "logarithms", "log10(3)"):
+        em.read_shifts(file)
+    with refused("", "logarithms"):
+        vertical_factors(file)
+    with warned(FitWarning, "log10 b_T"):
+        em.read_shifts(file, columns={"vertical": "log10(3)"})
+
+
+def test_a_hole_in_vertical_factors_is_said(tmp_path):
+    file = tmp_path / "shifts.csv"
+    file.write_text("T [C],aT,bT\n-20,1e5,1.3\n0,30,\n20,1,1")
+    with warned(FitWarning, "3 'bT'", "273.15 K", "interpolated"):
+        law = vertical_factors(file)
+    np.testing.assert_allclose(law.factor, [1.3, 1])
 
 
 def test_a_unit_of_levels_beside_moduli_is_passed_over(tmp_path):

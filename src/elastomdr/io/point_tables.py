@@ -15,6 +15,7 @@ from .columns import (
     ColumnsRead,
     checked_units,
     left_out,
+    naming,
     read_columns,
     understand,
 )
@@ -64,14 +65,19 @@ _FRICTION = (
     ),
 )
 _VERTICAL = 1e-3  # of log10 b_T, below which moduli are not shifted
+_NEAR = 0.5  # likewise where no a_T is 1
+_SECOND = r"(wlf|vft|vtf|arrhenius|fit(ted)?|smoothed|manual)"
+_NO_FACTOR = (
+    r"vert|b_?t|std|err|dev|\+|±|%|uncert|unsich|conf|low|upp|\b(ci|sd|se|min|max)\b"
+)
 _SHIFTS = (
     _TEMPERATURE,
     ColumnKind(
         "shift",
         "ratio",
         (
-            r"a(_?t|\(t\))?|(?!.*(std|err|dev|\+))a(_?t|\(t\)) .+|shift ?factors?|"
-            r"verschiebungsfaktor(en)?",
+            rf"a|(?!.*({_NO_FACTOR}))(({_SECOND}[ _])?"
+            r"(a(_?t|\(t\))|shift ?factors?|verschiebungsfaktor(en)?)( .+)?|wlf)",
         ),
     ),
     ColumnKind(
@@ -175,7 +181,7 @@ def read_shifts(
     Args:
         path: a text file or a spreadsheet; factors as a_T, or their logarithms as
             "log10 a_T", "log aT" or "ln aT".
-        columns: columns by quantity (temperature, shift), as in `em.read_dma`.
+        columns: columns by quantity (temperature, shift, vertical), as in `em.read_dma`.
         temperature_unit: unit of the temperatures, where the file has none.
 
     Returns:
@@ -195,12 +201,14 @@ def read_shifts(
             f"shift law. Give it to {remedy}.",
             FitWarning,
         )
-    reference = abs(np.log(read.values["shift"])).argmin()
+    away = abs(np.log(read.values["shift"]))
+    reference = away.argmin()
+    near = _VERTICAL if away[reference] < _VERTICAL else _NEAR
     for head in read.table.heads:
         if understand(head, _SHIFTS):
             continue
         factor = read.table.column(head.place)  # b_T is 1 where a_T is
-        if abs(factor[reference] - 1) < _VERTICAL and 0 < min(factor) < max(factor) < 9:
+        if abs(factor[reference] - 1) < near and 0 < min(factor) < max(factor) < 9:
             warn(
                 f"{read.table.name}: column {head.words} is passed over: where it is "
                 f"b_T, title it so or give it to {remedy}.",
@@ -234,6 +242,21 @@ def _both_shifts(
     shift = ShiftTable(temperature, np.log10(read.values["shift"][order]))
     factor = read.values.get("vertical", np.ones(order.size))[order]
     known = np.isfinite(factor)
+    if "vertical" in read.chosen:
+        column = read.chosen["vertical"]
+        if not column.log and (read.table.column(column.place) <= 0).any():
+            raise InputError(
+                f"{read.table.name}: column {column.words} must be positive, and is not: "
+                "if it holds logarithms, title it 'log10 bT', or give it as "
+                f"{naming({'vertical': f'log10({column.place + 1})'})}."
+            )
+        if not known.all():
+            holes = ", ".join(f"{kelvin:g} K" for kelvin in temperature[~known])
+            warn(
+                f"{read.table.name}: column {column.words} has no number at {holes}: "
+                "b_T is interpolated between its other rows.",
+                FitWarning,
+            )
     if known.sum() < 2 or not (np.abs(np.log10(factor[known])) > _VERTICAL).any():
         return read, shift, None
     return read, shift, VerticalTable(temperature[known], factor[known])
