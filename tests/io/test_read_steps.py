@@ -315,6 +315,17 @@ def test_a_measured_stress_overrules_the_one_that_was_set(tmp_path, beside):
     np.testing.assert_allclose(said.relaxation, 1000 / GROWN, rtol=1e-6)
 
 
+def test_a_length_beside_the_strain_of_a_creep(tmp_path):
+    """It hardly varies; the strain does. A dynamic force is another matter."""
+    file, strain = tmp_path / "creep.csv", 1000 * compliance(T)
+    columns = T, 10 * (1 + strain), np.cos(T), 0 * T + 1000, strain
+    titles = "t [s],length [mm],dynamic force [N],stress [Pa],strain [-]"
+    file.write_text(table(titles, *columns))
+    read = em.read_dma(file, kind="tensile", temperature=296.15)
+    np.testing.assert_allclose(read.relaxation, 1 / compliance(T), rtol=1e-6)
+    assert read.response == "creep"
+
+
 @pytest.mark.parametrize("blocks", [False, True])
 @pytest.mark.parametrize("response", ["creep", "relaxation"])
 def test_times_that_begin_again_are_another_step(tmp_path, response, blocks):

@@ -37,7 +37,7 @@ _BY_UNIT = (
     ("", (), ""),
 )
 # titles of what may change while a step is held, with the unit of a load, and without
-_CHANGES = r"modul(us|i|e|n)?\b|energ|\b(error|std)"
+_CHANGES = r"modul(us|i|e|n)?\b|energ|dynamic|oscill|\b(error|std)"
 _CHANGES_IN_SHEAR = (
     rf"{_CHANGES}|normal(?!i[sz])|axial|gap|spalt|thick|dicke|\bN_?[12]|\bF_?N\b|"
     "\ubc95\uc120|\uc218\uc9c1|\uac04\uaca9|\uac2d"
@@ -127,10 +127,8 @@ def while_held(
         ratio = _numbers(table, columns[measured_as])
     else:  # stress over strain
         ways = {
-            way: [one]
+            way: [one for one in loads if one.role == role]
             for way, role in _HELD.items()
-            for one in loads
-            if one.role == role
         }
     kelvin = np.full(count, np.nan)
     if "temperature" in columns:
