@@ -1,5 +1,6 @@
-"""Which points of a steady scene use a material beyond the range of its data: doubts of
-the rubber, which every verb hands over.
+"""Which points of a steady scene use a material beyond the range of its data, and which
+pressures and stresses are likely to be meant in another unit: doubts that every verb
+hands over.
 """
 
 from __future__ import annotations
@@ -12,7 +13,10 @@ import numpy as np
 from ..arrays import stop_gradient, xp
 from ..checks import Array, certain, is_traced
 from ..checks import known as known_values
+from ..element.law import as_foundation
+from ..element.layer import Layer
 from ..errors import ExtrapolationWarning, ModelWarning, warn
+from ..material.shift import thermal_factors
 from ..material.validity import Range
 from ..results.doubts import Doubt
 from ..surface.rough_line import RoughLine
@@ -22,11 +26,18 @@ from ..trees import replaced
 if TYPE_CHECKING:
     from jaxtyping import Float
 
+    from .types import Material, SteadyBody
+
 # share of a rough surface's mean square slope that may lie outside the range
 _OUTSIDE = 0.1
 _CELLS = 400  # of the slope, where each wave has a temperature of its own
-# pressure over the modulus from which on there is a warning
-_FAR = 5.0
+_FAR = 5.0  # stress over the modulus from which on there is a warning
+_NONE = 100.0  # modulus below which rubber is a liquid rather [Pa]
+# what no contact of a profile has: a wider one [m], and a lower largest pressure [Pa]
+_WIDEST, _LOWEST = 0.1, 1e3
+_MEGAPASCALS = 10.0  # pressure up to which it may be one in MPa [Pa]
+_LEAST = 1e-4  # share of real contact below which it probably is
+_HIGHEST = 1e8  # pressure of a fluid or a seal from which on there is a warning [Pa]
 
 
 def told(
@@ -50,25 +61,129 @@ def pressed_too_hard(pressure: Array, modulus: Array) -> tuple[Doubt, ...]:
     """Where a pressure exceeds the modulus of the rubber under it; with a warning where
     it does so by far, since it may be meant in another unit.
     """
-    pressure, modulus = known_values(stop_gradient((pressure, modulus)))
-    points = pressure > modulus
-    if certain(np.any, points):
-        most = int(np.nanargmax(pressure / modulus))
-        high, low = (
-            np.broadcast_to(x, np.shape(points)).flat[most] for x in (pressure, modulus)
-        )
-        if high > _FAR * low:
-            warn(
-                f"pressure is taken in Pa, and load in N: a pressure of {high:g} Pa is "
-                f"{high / low:.3g} times the modulus of the rubber under it, {low:.2g} "
-                "Pa. Rubber is not linear there.",
-                ModelWarning,
-            )
+    over = _over(
+        "pressure is taken in Pa, and load in N: a pressure",
+        pressure,
+        modulus,
+        "Rubber is not linear there",
+    )
     says = (
         "have a pressure above the modulus of the rubber under it, where rubber is not "
         "linear, as it is taken here"
     )
+    return (Doubt("estimate", over > 1, says, "a pressure as it occurs"),)
+
+
+def sheared_too_hard(stress: Array, modulus: Array) -> tuple[Doubt, ...]:
+    """Where the shear stress of a real contact is far above the modulus of the rubber
+    under it; with a warning, since it may be meant in another unit.
+    """
+    over = _over(
+        "The shear stress of the real contact is taken in Pa: one",
+        stress,
+        modulus,
+        "Rubber bears some MPa, and no such multiple",
+    )
+    says = (
+        "have a shear stress of the real contact far above the modulus of the rubber "
+        "under it, which no contact was found to bear"
+    )
+    return (Doubt("estimate", over > _FAR, says, "a shear stress as it was found"),)
+
+
+def modulus_at(
+    body: SteadyBody,
+    wave_number: Array | float,
+    reduced: Array,
+    vertical: Array | float,
+) -> Array:
+    """|E*| [Pa] that contacts of a wave number [1/m] meet at velocities v a_T [m/s]."""
+    return abs(body.complex_modulus(wave_number * reduced)) * vertical
+
+
+def under_smooth(
+    material: Material, velocity: Array, temperature: Array | None, size: Array
+) -> Array:
+    """|E*| [Pa] under a smooth body by the half-length of its contact [m]; NaN on
+    springs, which have none.
+    """
+    body = as_foundation(material.material if isinstance(material, Layer) else material)
+    if body.per_area:
+        return np.full(np.shape(velocity), np.nan)
+    factor, vertical = thermal_factors(body, temperature)
+    return modulus_at(body, 1 / size, velocity * factor, vertical)
+
+
+def pressed_as_none_is(pressure: Array) -> tuple[Doubt, ...]:
+    """Where a pressure that no modulus limits is more than any seal holds; with a
+    warning, since it may be meant in another unit.
+    """
+    pressure = known_values(stop_gradient(pressure))
+    points = pressure > _HIGHEST
+    if certain(np.any, points):
+        warn(
+            f"pressure is taken in Pa: {np.nanmax(pressure):g} Pa is more than seals "
+            "hold.",
+            ModelWarning,
+        )
+    says = f"have a pressure above {_HIGHEST:g} Pa, more than seals hold"
     return (Doubt("estimate", points, says, "a pressure as it occurs"),)
+
+
+def doubt_units(x: Array, pressure: Array) -> None:
+    """Warns of positions of a profile that are likely to be meant in mm, and of
+    pressures in MPa.
+    """
+    width, highest = float(x[-1] - x[0]), float(pressure.max())
+    if width > _WIDEST:
+        warn(
+            f"profile: positions are taken in m, and the contact is {width:g} m wide. "
+            f"If {width:g} mm are meant, write positions times 1e-3.",
+            ModelWarning,
+        )
+    if highest < _LOWEST:
+        warn(
+            f"profile: pressures are taken in Pa, of {highest:g} Pa at most. If "
+            f"{highest:g} MPa are meant, write pressures times 1e6.",
+            ModelWarning,
+        )
+
+
+def hardly_pressed(pressure: Array, area: Array, good: Array) -> None:
+    """Warns of a pressure that is likely to be meant in MPa: a small number, under
+    which hardly anything touches.
+    """
+    area = np.where(good & (pressure <= _MEGAPASCALS), area, 1.0)
+    least = int(np.argmin(area))
+    if area[least] < _LEAST:
+        given = f"{pressure[least]:g}"
+        warn(
+            f"pressure is taken in Pa: {given} Pa give a real contact of "
+            f"{area[least]:.1g} of the nominal area. If {given} MPa are meant, write "
+            f"{1e6 * pressure[least]:g}.",
+            ModelWarning,
+        )
+
+
+def _over(given: str, stress: Array, modulus: Array, why: str) -> Array:
+    """A stress over the modulus of the rubber under it; with a warning where it is far
+    above that.
+    """
+    stress, modulus = known_values(stop_gradient((stress, modulus)))
+    with np.errstate(all="ignore"):
+        over = stress / modulus
+    if certain(lambda over: np.any(over > _FAR), over):
+        most = int(np.nanargmax(over))
+        high, low = (
+            np.broadcast_to(x, np.shape(over)).flat[most] for x in (stress, modulus)
+        )
+        times = (
+            f"{high / low:.3g} times the modulus of the rubber under it, {low:.2g} Pa"
+        )
+        if low < _NONE:
+            times = f"on rubber that all but flows there: its modulus is {low:.2g} Pa"
+        warn(f"{given} of {high:g} Pa is {times}. {why}.", ModelWarning)
+    return over
 
 
 def beyond_sweep(

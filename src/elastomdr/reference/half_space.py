@@ -613,7 +613,7 @@ def friction_on_cells(
     )
     if getattr(material, "softening", None) is not None:
         curve = dataclasses.replace(curve, model=curve.model + LINEAR)
-    return curve if adhesion is None else on_cells(curve, adhesion)
+    return curve if adhesion is None else on_cells(curve, adhesion, material)
 
 
 def cover_of(material: Layer) -> CoverOfCells:

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import is_traced, xp
+from ..call.extrapolation import sheared_too_hard, under_smooth
 from ..checks import (
     Array,
     as_float64,
@@ -32,7 +33,8 @@ from ..checks import (
     significant,
     written,
 )
-from ..errors import InputError, ModelWarning, warn
+from ..element.layer import Layer
+from ..errors import InputError
 from ..material.shift import AbstractShift
 from ..results.curve import FrictionCurve
 from ..results.doubts import Doubt
@@ -44,7 +46,7 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
     from .._types import ArrayLike, Number
-    from ..call.types import Indenter
+    from ..call.types import Indenter, Material
 
 _DECADE = float(np.log(10.0))
 MOST_SHEAR = 1.0  # tau A/F_N above which the sum is no prediction (docs/rough.md)
@@ -52,7 +54,6 @@ MOST_SHEAR = 1.0  # tau A/F_N above which the sum is no prediction (docs/rough.m
 # off, but what a shear law leaves out: contacts that shear changes, bonds that grow
 # in sliding and at rest
 KNOWN_AREA = 0.02
-_STRONGEST = 1e8  # [Pa]
 _SKEWED = 0.2  # of 1 - b/a: against 56 contacts in three dimensions (docs/accuracy.md)
 # relative error of an area of 64 by 64 cells about the contact, its border corrected
 _STAIRCASE = 0.01
@@ -159,7 +160,6 @@ def check_adhesion(
             "adhesion must be an em.AdhesiveShear(stress, velocity, width), got "
             f"{adhesion!r}."
         )
-    _hint_at_pascals(adhesion)
     if adhesion.shift is not None and temperature is None:
         raise InputError(
             "adhesion has a shift law and needs a temperature [K]; shift=None "
@@ -177,21 +177,9 @@ def shear_law(
         stress = as_float64("boundary_shear", shear)
         positive("boundary_shear", stress)
         shear = AdhesiveShear(stress, 1.0, 0.0)
-    _hint_at_pascals(shear)
     if shear.shift is not None and temperature is None:
         raise InputError("boundary_shear has a shift law and needs a temperature [K].")
     return shear
-
-
-def _hint_at_pascals(shear: AdhesiveShear) -> None:
-    """Warns of a stress that no rubber bears."""
-    if not is_traced(shear.stress) and shear.stress > _STRONGEST:
-        warn(
-            f"The shear stress of the real contact is {float(shear.stress):g} Pa, more "
-            "than rubber bears (some MPa, at most tens of them): stresses are taken in "
-            "Pa.",
-            ModelWarning,
-        )
 
 
 def sheared(
@@ -201,6 +189,7 @@ def sheared(
     error: Array | float,
     bound: Array | float | None,
     area: str,
+    modulus: Array,
 ) -> FrictionCurve:
     """`curve`, whose mu is that of hysteresis, with the shear of the real contact
     added.
@@ -210,13 +199,15 @@ def sheared(
         error: relative numerical error of the area.
         bound: relative bound on its distance from three dimensions, or None.
         area: what area it is, in words.
+        modulus: of the rubber in its contacts, at their rate [Pa].
     """
     temperature = curve.temperature
     rise = curve.temperature_rise if curve.contact_rise is None else curve.contact_rise
     if temperature is not None and rise is not None:
         # of a point without an answer, whose area is NaN
         temperature = temperature + xp.where(xp.isnan(rise), 0.0, rise)
-    added = adhesion.shear_stress(curve.velocity, temperature) * share
+    stress = adhesion.shear_stress(curve.velocity, temperature)
+    added = stress * share
     mu = curve.mu + added
     complete = None
     if curve.area_ratio is not None and bound is not None:
@@ -232,7 +223,12 @@ def sheared(
         model_error=_bounded(curve.model_error, added, bound),
         model=curve.model + _ADDED.format(area=area),
         inputs=(*curve.inputs, ("adhesion", adhesion.words())),
-        marks=(*curve.marks, *_no_prediction(curve, added), *_of_law(complete)),
+        marks=(
+            *curve.marks,
+            *sheared_too_hard(stress, modulus),
+            *_no_prediction(curve, added),
+            *_of_law(complete),
+        ),
     )
 
 
@@ -289,7 +285,7 @@ def _of_law(complete: Array | None) -> tuple[Doubt, ...]:
 
 
 def on_contact(
-    curve: FrictionCurve, adhesion: AdhesiveShear, shape: Indenter, layer: bool
+    curve: FrictionCurve, adhesion: AdhesiveShear, shape: Indenter, material: Material
 ) -> FrictionCurve:
     """`sheared` under a smooth body, on an area from its leading edge a and its
     trailing edge b on the central line.
@@ -311,12 +307,18 @@ def on_contact(
             0.5 * xp.pi * ahead * (ahead + behind),
             "area (pi/2) a (a + b) from its edges",
         )
-        bound = xp.nan if layer else _SKEWED * abs(1 - behind / ahead)
+        bound = (
+            xp.nan if isinstance(material, Layer) else _SKEWED * abs(1 - behind / ahead)
+        )
     curve = dataclasses.replace(curve, contact_area=area)
-    return sheared(curve, adhesion, area / curve.normal_force, 0.0, bound, words)
+    modulus = under_smooth(material, curve.velocity, curve.temperature, ahead)
+    share = area / curve.normal_force
+    return sheared(curve, adhesion, share, 0.0, bound, words, modulus)
 
 
-def on_cells(curve: FrictionCurve, adhesion: AdhesiveShear) -> FrictionCurve:
+def on_cells(
+    curve: FrictionCurve, adhesion: AdhesiveShear, material: Material
+) -> FrictionCurve:
     """`sheared` under a smooth body on the cells that touch, in three dimensions."""
     area = curve.contact_area
     assert area is not None
@@ -327,6 +329,9 @@ def on_cells(curve: FrictionCurve, adhesion: AdhesiveShear) -> FrictionCurve:
         _STAIRCASE,
         None,
         "area of the cells that touch",
+        under_smooth(
+            material, curve.velocity, curve.temperature, xp.sqrt(area / xp.pi)
+        ),
     )
 
 

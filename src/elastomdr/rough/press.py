@@ -26,6 +26,7 @@ import numpy as np
 from ..arrays import Array, on_jax, xp
 from ..call.extrapolation import (
     excited_outside,
+    modulus_at,
     pressed_too_hard,
     rough_beyond,
 )
@@ -489,8 +490,8 @@ def _doubts(points: _Points) -> tuple[Doubt, ...]:
     beyond = rough_beyond(foundation.range, outside, rest.temperature, shape)
     line = isinstance(surface, RoughLine)
     longest = 2 * np.pi / surface.period if line else surface.q_low
-    modulus = abs(foundation.complex_modulus(longest * reduced))
-    hard = pressed_too_hard(points.pressure / rest.vertical, modulus)
+    modulus = modulus_at(foundation, longest, reduced, rest.vertical)
+    hard = pressed_too_hard(points.pressure, modulus)
     return (*beyond, *hard, *softening_left_out(foundation, shape))
 
 

@@ -14,6 +14,8 @@ import numpy as np
 from ..arrays import stop_gradient, xp
 from ..call.extrapolation import (
     excited_outside,
+    hardly_pressed,
+    modulus_at,
     pressed_too_hard,
     rough_beyond,
 )
@@ -28,7 +30,7 @@ from ..checks import (
     warn_unless,
 )
 from ..element.law import Foundation, TabulatedFoundation, surface_foundation
-from ..errors import InputError, ModelWarning, warn
+from ..errors import InputError
 from ..material.shift import thermal_factors
 from ..material.validity import Range, misfit
 from ..results.base import WIDE
@@ -55,8 +57,6 @@ if TYPE_CHECKING:
     from .flash import Flash
     from .temperature_by_scale import Warm
 
-_MEGAPASCALS = 10.0  # pressure up to which it may be one in MPa [Pa]
-_LEAST = 1e-4  # share of real contact below which it probably is
 _HOT = (
     "; rubber at the flash temperature of its contacts (moving sources by length scale)"
 )
@@ -253,7 +253,7 @@ def _solved(
     """Friction at the temperatures that are given or, with `heat`, that it makes."""
     cold = model.solve(problem)
     if not scene.traced:
-        _doubt_unit(cold, scene.full(scene.value).ravel())
+        hardly_pressed(scene.full(scene.value).ravel(), cold.area, cold.good)
     answer = _Answer(cold, cold, problem, None, None, scene.reduced)
     if call.heat is None:
         return answer
@@ -564,6 +564,12 @@ def _with_adhesion(
             of_area=True,
         ),
         "area of real contact",
+        modulus_at(
+            scene.foundation,
+            answer.problem.surface.q_high,
+            scene.reduced,
+            scene.vertical,
+        ),
     )
     if heat is None or scene.traced:
         return both
@@ -829,30 +835,11 @@ def _set_up(
     return foundation, surface, scene
 
 
-def _doubt_unit(hysteresis: SurfaceFriction, pressure: np.ndarray) -> None:
-    """Warns of a pressure that is likely to be meant in MPa: a small number, under
-    which hardly anything touches.
-    """
-    area = np.where(hysteresis.good & (pressure <= _MEGAPASCALS), hysteresis.area, 1.0)
-    least = int(np.argmin(area))
-    if area[least] < _LEAST:
-        given = f"{pressure[least]:g}"
-        warn(
-            f"pressure is taken in Pa: {given} Pa give a real contact of "
-            f"{area[least]:.1g} of the nominal area. If {given} MPa are meant, write "
-            f"{1e6 * pressure[least]:g}.",
-            ModelWarning,
-        )
-
-
 def _too_much(scene: SteadyScene, surface: AbstractSpectrum) -> tuple[Doubt, ...]:
     """Where a pressure exceeds the modulus that the rubber has at the longest waves."""
-    omega, body = known(
-        stop_gradient((scene.reduced * surface.q_low, scene.foundation))
-    )
-    return pressed_too_hard(
-        scene.full(scene.value) / scene.vertical, abs(body.complex_modulus(omega))
-    )
+    body, reduced = scene.foundation, scene.reduced
+    modulus = modulus_at(body, surface.q_low, reduced, scene.vertical)
+    return pressed_too_hard(scene.full(scene.value), modulus)
 
 
 def _misfit(

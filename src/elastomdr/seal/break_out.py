@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 
 from ..arrays import numpy_unless_traced, stop_gradient, xp
+from ..call.extrapolation import sheared_too_hard
 from ..call.several_materials import over_materials
 from ..checks import (
     broadcast,
@@ -208,7 +209,10 @@ def break_out(
     }
     return BreakOut(
         **broadcast({**given._asdict(), **fields, "converged": good}),
-        marks=rest.doubts(given.pressure, shape, chosen.softens),
+        marks=(
+            *rest.doubts(given.pressure, shape, chosen.softens),
+            *sheared_too_hard(xp.broadcast_to(stress, shape), 1 / rest.soft),
+        ),
         model=f"{chosen.words()}; its shear at once",
         plan="real contact of an elastic body with the creep of the dwell",
         inputs=(

@@ -26,7 +26,9 @@ from scipy.interpolate import CubicSpline
 from ..arrays import numpy_unless_traced, one_thread
 from ..call.extrapolation import (
     held_beyond,
+    modulus_at,
     pressed_too_hard,
+    sheared_too_hard,
     steady_beyond,
     told,
 )
@@ -40,6 +42,7 @@ from ..checks import (
     untraced,
     warn_unless,
 )
+from ..element.law import as_foundation
 from ..element.layer import Layer
 from ..errors import InputError, quiet
 from ..material.prony import Prony
@@ -631,9 +634,6 @@ def _rubbing(
     """
     if rough is None or scene.surface is None:
         return [None] * points.size, np.zeros(points.size, bool)
-    u_rubber, u_counter = MOTIONS[scene.rubber]
-    # a rolling contact presses its asperities for as long as it passes
-    slide = abs(u_counter - u_rubber) or 1.0
     temperature = (
         None if scene.temperature is None else float(scene.temperature[points[0]])
     )
@@ -641,7 +641,8 @@ def _rubbing(
     out, beyond = rubbing(
         scene.material,
         scene.surface,
-        slide * scene.velocity[points],
+        # a rolling contact presses its asperities for as long as it passes
+        scene.velocity[points],
         largest,
         temperature,
     )
@@ -695,12 +696,8 @@ def _touching(
         return None
     stress = 0.0
     if shear is not None:
-        u_rubber, u_counter = MOTIONS[scene.rubber]
-        speed = (abs(u_counter - u_rubber) or 1.0) * scene.velocity[point]
-        temperature = None
-        if scene.temperature is not None and shear.shift is not None:
-            temperature = scene.temperature[point]
-        stress = float(shear.shear_stress(speed, temperature))
+        temperature = None if scene.temperature is None else scene.temperature[point]
+        stress = float(shear.shear_stress(scene.velocity[point], temperature))
     modulus = _stiffened(scene, point, rough, rubbed)
     at_closing, _ = rough.pressure(np.asarray(rough.closes), modulus)
     return Touching(
@@ -853,7 +850,7 @@ def _packed(
         model_error=np.full(dims, np.nan),
         profile=FilmProfile(*profile),
         converged=good.reshape(dims),
-        marks=(*beyond, *_too_much(scene, solved), *left_out),
+        marks=(*beyond, *_too_much(scene, solved), *_sheared(scene, shear), *left_out),
         model=model,
         plan=f"Newton's method on {_NODES} and more nodes, extrapolated",
         inputs=tuple(inputs),
@@ -872,6 +869,17 @@ def _too_much(scene: _FilmScene, solved: list[_Solved]) -> tuple[Doubt, ...]:
     return *deep, *pressed_too_hard(
         pressure.reshape(scene.dims), modulus.reshape(scene.dims)
     )
+
+
+def _sheared(scene: _FilmScene, shear: AdhesiveShear | None) -> tuple[Doubt, ...]:
+    """Where the shear stress of the real contact is far above the modulus there."""
+    if shear is None or scene.surface is None:
+        return ()
+    body, reduced = half_space_of(scene.material), scene.velocity * scene.factor
+    wave_number = scene.surface.q_high
+    modulus = modulus_at(as_foundation(body), wave_number, reduced, scene.vertical)
+    stress = shear.shear_stress(scene.velocity, scene.temperature)
+    return sheared_too_hard(stress.reshape(scene.dims), modulus.reshape(scene.dims))
 
 
 def _beyond(scene: _FilmScene, solved: list[_Solved]) -> tuple[Doubt, ...]:

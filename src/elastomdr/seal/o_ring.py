@@ -36,7 +36,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 
 from ..arrays import numpy_unless_traced, stop_gradient, xp
-from ..call.extrapolation import held_beyond, pressed_too_hard
+from ..call.extrapolation import held_beyond, pressed_as_none_is
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
@@ -300,8 +300,9 @@ def o_ring(
     factor, _ = thermal_factors(solid, given.temperature)
     sealing = _sealing_pressure(given, pressure, young / plane)
     too_hard = ()
-    if sealing is not None:
-        too_hard = pressed_too_hard(xp.broadcast_to(sealing, shape), plane)
+    if given.fluid_pressure is not None:
+        # it presses the ring from all sides, which no modulus limits
+        too_hard = pressed_as_none_is(xp.broadcast_to(given.fluid_pressure, shape))
     fields = broadcast(
         {
             "diameter": given.diameter,

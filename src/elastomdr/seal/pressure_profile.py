@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from ..call.extrapolation import doubt_units
 from ..checks import Array, as_float64, require
-from ..errors import InputError, ModelWarning, warn
+from ..errors import InputError
 from ..files import read_text
 
 if TYPE_CHECKING:
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
 
 Profile: TypeAlias = "tuple[ArrayLike, ArrayLike] | str | os.PathLike[str]"
 
-# what no seal has: a wider contact [m], and a lower pressure at its highest [Pa]
-_WIDEST, _LOWEST = 0.1, 1e3
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "µm": 1e-6, "um": 1e-6}
 _PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5}
 _MOST_BYTES = 10_000_000  # of a file of a profile
@@ -49,25 +48,8 @@ def pressure_profile(profile: Profile | None, fewest: int) -> tuple[Array, Array
             "profile must have ascending positions, from the side of the fluid to that "
             "of the air."
         )
-    _doubt_units(x, p)
+    doubt_units(x, p)
     return x, p
-
-
-def _doubt_units(x: Array, pressure: Array) -> None:
-    """Warns of positions that are likely to be meant in mm, and of pressures in MPa."""
-    width, highest = float(x[-1] - x[0]), float(pressure.max())
-    if width > _WIDEST:
-        warn(
-            f"profile: positions are taken in m, and the contact is {width:g} m wide. "
-            f"If {width:g} mm are meant, write positions times 1e-3.",
-            ModelWarning,
-        )
-    if highest < _LOWEST:
-        warn(
-            f"profile: pressures are taken in Pa, of {highest:g} Pa at most. If "
-            f"{highest:g} MPa are meant, write pressures times 1e6.",
-            ModelWarning,
-        )
 
 
 def _read(path: Path) -> tuple[Array, Array]:

@@ -36,6 +36,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
+from ..call.extrapolation import pressed_as_none_is
 from ..checks import (
     broadcast,
     in_si,
@@ -324,6 +325,7 @@ def _no_film(strokes: _Strokes) -> list[Doubt]:
 def _of_profile(profile: Profile, motion: _Motion) -> _Strokes:
     """Both strokes under a given pressure: out along x, in against it."""
     x, p = pressure_profile(profile, _FEWEST)
+    too_hard = pressed_as_none_is(np.full(motion.out.shape, p.max()))
     slope = np.diff(p)
     if not (slope.max() > 0 > slope.min()):
         raise InputError(
@@ -332,7 +334,7 @@ def _of_profile(profile: Profile, motion: _Motion) -> _Strokes:
         )
     strokes = _Strokes(
         f"{x.size} points of a pressure profile",
-        _inverse(x, p, motion.viscosity * motion.out),
+        _inverse(x, p, motion.viscosity * motion.out)._replace(doubts=too_hard),
         _inverse(-x[::-1], p[::-1], motion.viscosity * motion.back),
     )
     _doubt(strokes.leaving, strokes.entering)

@@ -116,7 +116,7 @@ def _on_smooth(call: SmoothCall, adhesion: AdhesiveShear | None) -> FrictionCurv
     )
     if adhesion is None:
         return curve
-    return on_contact(curve, adhesion, call.shape, contact.layer)
+    return on_contact(curve, adhesion, call.shape, call.material)
 
 
 def _has_large_program(material: object, shape: object, pressure: object) -> bool:
