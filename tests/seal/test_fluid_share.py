@@ -293,6 +293,47 @@ def test_a_drop_just_below_a_sharp_peak(place):
     assert (off < found.error + 0.03).all()
 
 
+SMOOTH = em.SelfAffine(
+    0.8, rms_height=1e-6, q_low=2 * np.pi / 100e-6, q_high=2 * np.pi / 2e-6
+)
+STEP = LENGTH * np.array([0.0, 0.6975, 0.7, 1.0]), [0.9e5, 0.9e5, 3e5, 3e5]
+
+
+@pytest.mark.parametrize(
+    ("profile", "long", "off"),
+    [
+        # the fluid lifts what is below it, and the flank holds back next to nothing
+        (STEP, 0.3, 2e-3),
+        (
+            (LENGTH * np.array([0.0, 1e-3, 0.999, 1.0]), [0.0, 3e5, 3e5, 0.0]),
+            0.998,
+            3e-4,
+        ),
+    ],
+)
+def test_a_plateau_between_steep_flanks(profile, long, off):
+    """As the even seal of the plateau alone, and a little less."""
+    scene = {"pressure_drop": [1.5e5, 2.6e5, 2.97e5], "viscosity": 0.05}
+    rubber = em.Prony(2.5e6, [1e3], [1e-9])
+    found = em.leak(rubber, SMOOTH, profile=profile, **scene)
+    plateau = em.leak(rubber, SMOOTH, pressure=3e5, length=long * LENGTH, **scene)
+    assert found.converged.all()
+    share = found.rate / plateau.rate
+    assert ((share > 1 - off - 1e-4) & (share < 1 + 1e-4)).all()
+    assert (found.error < 2e-3).all()
+
+
+def test_a_plateau_in_a_fine_profile():
+    """The kinks are found among many positions."""
+    x = LENGTH * np.linspace(0.0, 1.0, 401)
+    fine = np.union1d(x, STEP[0])
+    scene = {"pressure_drop": 1.5e5, "viscosity": 0.05}
+    rubber = em.Prony(2.5e6, [1e3], [1e-9])
+    many = em.leak(rubber, SMOOTH, profile=(fine, np.interp(fine, *STEP)), **scene)
+    few = em.leak(rubber, SMOOTH, profile=STEP, **scene)
+    assert many.rate == pytest.approx(float(few.rate), rel=1e-4)
+
+
 def test_two_ribs_hold_the_fluid_between_them():
     """Where the fluid presses harder than a valley it lifts that, and loses nothing."""
     x = np.linspace(0, LENGTH, 401)

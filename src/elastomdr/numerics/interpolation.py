@@ -1,5 +1,5 @@
 """Curves through points: cubics with given slopes, slopes, Lagrange's polynomials on
-even grids, and the maximum of a smooth function.
+even grids, integrals, and the maximum of a smooth function.
 """
 
 from __future__ import annotations
@@ -170,3 +170,13 @@ def peak(values: Array, last: Array | int) -> tuple[Array, Array]:
         x = xp.clip(x - step, -1.0, 1.0)
     largest = functools.reduce(lambda sum, c: sum * x + c, coefficients[::-1])
     return largest, (first + half * (1 + x)) / last
+
+
+def integrals(x: Array, values: Array) -> Array:
+    """From the last of x to 0 and to each of x, before the first of which values are
+    even: near closing, where they are small, with all of their digits.
+    """
+    parts = 0.5 * (values[..., 1:] + values[..., :-1]) * np.diff(x)
+    first, last = values[..., :1] * x[0], np.zeros_like(values[..., :1])
+    parts = np.concatenate([last, parts[..., ::-1], first], axis=-1)
+    return -np.cumsum(parts, axis=-1)[..., ::-1]

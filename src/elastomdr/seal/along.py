@@ -37,8 +37,8 @@ from numpy.polynomial import chebyshev
 
 from ..arrays import compiled, is_traced, stop_gradient, xp
 from ..checks import Array
-from ..numerics.interpolation import hermite, monotone_slopes
-from ..numerics.root import search
+from ..numerics.interpolation import hermite, integrals, monotone_slopes
+from ..numerics.root import bisect, search
 from ..results.base import part, quantity
 from ..rough.psd_integrals import nodes
 from .channels import Channels, GapFlow, RoughSeal
@@ -48,7 +48,8 @@ _PLACES = 65  # at which the fluid along an even seal is kept
 _CELLS, _MOST_CELLS = 64, 256  # of a seal whose pressure is not even
 _SOUGHT, _SHARPER = 2049, 4  # places among which cells are sought, and how often
 _NEAREST = 3e-4  # part of the range of pressures within which cells get no denser
-_SURE = 1.0, 0.5, 0.25  # parts of changes to fewer and fewer cells
+_HALVED = 8  # cells of which the flow is followed to fewer and fewer, by halves
+_SURE = 1.0, 0.5, 0.25  # parts of its changes
 _CHANGED = 0.02  # change of its flow from half of them, from which they are doubled
 _UNKNOWN = 0.5  # the same of the most, from which the flow is not known
 _RANGE = np.log(1e5), 9.0  # of log z/(1 - z), below the largest pressure, and at most
@@ -58,6 +59,8 @@ _WIDE = 0.05  # change of what contact bears in a cell, above which w counts its
 _OPEN = 0.9  # of the pressure at which channels close, where a search may begin
 _ROUNDS = 3  # for the mean pressure of a gas in a cell
 _SETTLED = 1e-9  # change of log q
+_WITHIN, _HALVINGS = 30.0, 50  # of the first guess of log q, where the search fails
+_MET = 1e-3  # of the logarithm that then must be met
 
 
 @part
@@ -342,6 +345,7 @@ class Uneven(NamedTuple):
     peak: Array  # the largest pressure [Pa]
     # at parts of the length (places,): [Pa], (points, places)
     pressure_at: Callable[[Array], Array]
+    kinks: Array  # parts of the length at which its slope jumps
 
 
 def uneven(pressed: PressedSeal, seal: Uneven) -> SealFlow:
@@ -448,10 +452,10 @@ def _tables(pressed: PressedSeal, peak: Array) -> tuple[_Table, _Table]:
         weight = np.gradient(x) * flowing
         return _Table(
             np.append(0.0, s),
-            _integrals(s, flow),
-            _integrals(s, s * flow),
-            _integrals(s, root_of_slip**2),
-            _integrals(s, between[0] ** 2),
+            integrals(s, flow),
+            integrals(s, s * flow),
+            integrals(s, root_of_slip**2),
+            integrals(s, between[0] ** 2),
             float(weight @ error / weight.sum()),
             gaps.said,
             gaps.work,
@@ -460,16 +464,6 @@ def _tables(pressed: PressedSeal, peak: Array) -> tuple[_Table, _Table]:
         )
 
     return table(1), table(2)
-
-
-def _integrals(x: Array, values: Array) -> Array:
-    """From the last of x to 0 and to each of x, before the first of which values are
-    even: near closing, where they are small, with all of their digits.
-    """
-    parts = 0.5 * (values[..., 1:] + values[..., :-1]) * np.diff(x)
-    first, last = values[..., :1] * x[0], np.zeros_like(values[..., :1])
-    parts = np.concatenate([last, parts[..., ::-1], first], axis=-1)
-    return -np.cumsum(parts, axis=-1)[..., ::-1]
 
 
 class _Cells(NamedTuple):
@@ -483,20 +477,26 @@ class _Cells(NamedTuple):
 
 
 def _places(seal: Uneven, count: int) -> Array:
-    """Ends of `count` cells as parts of the length: half of them the denser, the nearer
-    the pressure is to its largest, where a fluid that all but lifts the rubber is held.
+    """Ends of cells as parts of the length, `count` of them and _HALVED more for each
+    kink, of which every second, fourth and eighth are ends of cells too: half of them
+    the denser in pressure, the nearer it is to its largest, where a fluid that all but
+    lifts the rubber is held. Kinks end cells, so that a plateau is exact.
 
     Of the shape of the pressure alone, which is that of all points.
     """
     fine = passed = np.linspace(0.0, 1.0, _SOUGHT)
     for _ in range(_SHARPER):
-        fine = np.interp(np.linspace(0.0, passed[-1], _SOUGHT), passed, fine)
-        pressure, steps = seal.pressure_at(fine)[0], np.diff(fine)
-        below = (pressure.max() - pressure) / max(np.ptp(pressure), 1e-300)
-        dense = 1 / np.maximum(below, _NEAREST)
-        shares = (dense[1:] + dense[:-1]) * steps
-        passed = np.append(0.0, np.cumsum(shares / shares.sum() + steps))
-    return np.interp(np.linspace(0.0, passed[-1], count + 1), passed, fine)
+        sought = np.interp(np.linspace(0.0, passed[-1], _SOUGHT), passed, fine)
+        fine = np.union1d(sought, seal.kinks)
+        pressure = seal.pressure_at(fine)[0]
+        below = (pressure.max() - pressure) / max(np.ptp(pressure), 1e-300) / _NEAREST
+        dense = abs(np.diff(np.minimum(below, 1) + np.log(np.maximum(below, 1))))
+        shares = dense / max(dense.sum(), 1e-300) + np.diff(fine)
+        passed = np.append(0.0, np.cumsum(shares))
+    even = np.linspace(0.0, passed[-1], count // _HALVED + 1)
+    ends = np.union1d(even, np.interp(seal.kinks, fine, passed))
+    parts = np.arange(_HALVED * (ends.size - 1) + 1) / _HALVED
+    return np.interp(np.interp(parts, np.arange(ends.size), ends), passed, fine)
 
 
 def _cells(pressed: PressedSeal, seal: Uneven, places: Array) -> _Cells:
@@ -545,6 +545,12 @@ def _fluxes(table: _Table, cells: _Cells, guess: Array | None) -> tuple[Array, A
         return np.where(open_, height(inlet) - wanted, 0.0)
 
     log_flux, settled = search(residual, begin, _SETTLED, 1.0)
+    if not (settled | ~open_).all():
+        # where the fluid all but lifts a plateau its pressure ends at once in that
+        ends = begin - _WITHIN, begin + _WITHIN
+        halved, _ = bisect(lambda x: residual(x) < 0, *ends, _HALVINGS)
+        log_flux = np.where(settled, log_flux, halved)
+        settled = settled | (abs(residual(halved)) < _MET)
     return np.where(open_, log_flux, -np.inf), settled | ~open_
 
 

@@ -74,6 +74,7 @@ if TYPE_CHECKING:
     from ..call.types import Material
     from ..surface.spectrum import AbstractSpectrum
 
+_KINKS = 12  # of a profile, at which cells end
 _LOG_RATIO = 5.0  # of the largest to the smallest value from which on an axis is
 
 
@@ -486,6 +487,7 @@ class _Seal(NamedTuple):
     start: float = 0.0  # place on the side of the fluid [m]
     pressure_at: Callable[[Any], Any] | None = None  # of parts of the length
     said: str = ""
+    kinks: Array = np.zeros(0)  # parts of the length
 
 
 def _seal(
@@ -519,7 +521,11 @@ def _seal(
         return np.interp(x[0] + whole * parts, x, p)
 
     said = f"{x.size} points, of {brief(p.max(), 'Pa')} at most"
-    return _Seal(mean, whole, float(p.max()), float(x[0]), between, said)
+    # those at which the slope jumps most
+    jumps = abs(np.diff(np.diff(p) / np.diff(x)))
+    most = 1 + np.argsort(-jumps, kind="stable")[:_KINKS]
+    kinks = (x[most] - x[0]) / whole
+    return _Seal(mean, whole, float(p.max()), float(x[0]), between, said, kinks)
 
 
 def _of_hertz(ring: ORing, length: ArrayLike | None) -> _Seal:
@@ -586,7 +592,7 @@ def _along(
 
     pressed = pressed._replace(soft=soft, drop=drop, fluid=Fluid(expands, path))
     start = np.full(soft.shape, seal.start)
-    flow = uneven(pressed, Uneven(start, length, peak, flat))
+    flow = uneven(pressed, Uneven(start, length, peak, flat, seal.kinks))
     of_points = {
         name: value.reshape(shape)
         for name, value in flow._asdict().items()
