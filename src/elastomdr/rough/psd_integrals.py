@@ -120,8 +120,11 @@ def nodes(
         traced = is_traced(places)
         if not traced:
             places = _with_between(np.sort(places), per_decade)
-        # of no width, at q_high, where they lie elsewhere
-        places = xp.where((places > low[0]) & (places < high[-1]), places, high[-1])
+        # one that lies elsewhere is no end; where JAX counts them, it is one like others,
+        # since a cell of no width has no derivative
+        share = (np.arange(len(bends)) + 0.618) / len(bends) if traced else 1.0
+        elsewhere = low[0] + share * (high[-1] - low[0])
+        places = xp.where((places > low[0]) & (places < high[-1]), places, elsewhere)
         ends = xp.concatenate([low, high[-1:], places])
         ends = xp.sort(ends) if traced else np.unique(ends)
         low, high = ends[:-1], ends[1:]
