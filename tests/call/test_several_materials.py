@@ -74,11 +74,8 @@ def test_names_tell_materials_apart():
     assert curve.materials == ("soft", "material 2", "soft (2)")
     assert curve.mu.shape == (3, 3)
     labels = [text.get_text() for text in curve.plot().get_legend().get_texts()]
-    assert [label.partition(":")[0] for label in labels] == [
-        "soft",
-        "material 2",
-        "soft (2)",
-    ]
+    for name in curve.materials:
+        assert [label.partition(":")[0] for label in labels].count(name) == 1
     assert "material" in curve.csv()
     np.testing.assert_array_equal(
         em.friction(material=[SOFT], shape=BALL, velocity=1.0, load=1.0).mu.shape, (1,)

@@ -4,20 +4,24 @@ A row of elements is no vector field: what happens to it in a step is said by th
 that `ContactStep` solves, a rigid surface or a history cut into blocks of steps.
 """
 
+from __future__ import annotations
+
 import abc
 from collections.abc import Callable
-from typing import Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import diffrax
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import PyTree
 
 from ..checks import Array, whole_number
 from ..errors import InputError
 from ..material.relaxation import AbstractRelaxation
 from .contact_step import Elements, advance, coefficients
+
+if TYPE_CHECKING:
+    from jaxtyping import PyTree
 
 State = TypeVar("State")
 Instant = bool | int | float | jax.Array | np.ndarray
