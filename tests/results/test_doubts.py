@@ -398,3 +398,23 @@ def test_a_pressure_far_above_the_modulus_is_warned_of(verb):
         found = PRESSED[verb](3e8)
     assert points(found.doubts, "estimate").all()
     assert "estimate" not in kinds(PRESSED[verb](3e4).doubts)
+
+
+def test_a_seal_has_the_doubts_of_its_ring():
+    """The load of a ring of such rubber is known to 142 %: so is what it seals."""
+    rubber = em.Prony(1e6, [4e6, 8e6], [1e-3, 1e-5], shift=em.WLF(8.9, 101.6, 293.15))
+    ring = em.o_ring(rubber, 5e-3, 0.01)
+    said = {doubt.says for doubt in ring.doubts}
+    assert said
+    road = em.SelfAffine(0.8, rms_slope=0.4, q_low=1e3, q_high=1e4)
+    leak = em.leak(rubber, road, o_ring=ring, pressure_drop=1e3, viscosity=1e-3)
+    rod = em.reciprocating(
+        rubber,
+        o_ring=ring,
+        velocity_out=0.5,
+        velocity_in=0.5,
+        stroke=0.05,
+        viscosity=1.0,
+    )
+    for made in (leak, rod):
+        assert said <= {doubt.says for doubt in made.doubts}

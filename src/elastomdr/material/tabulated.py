@@ -159,15 +159,15 @@ class AbstractTable(Tree):
             xp.log, (self.omega, self.storage_table, self.loss_table)
         )
         omega = self.omega
-        low = xp.asarray(low)[..., None]
-        high = xp.asarray(high)[..., None]
+        lowest: Array = xp.asarray(low)[..., None]
+        highest: Array = xp.asarray(high)[..., None]
         # intervals between neighbours
-        crossed = (omega[1:] >= low) & (omega[:-1] <= high)
+        crossed = (omega[1:] >= lowest) & (omega[:-1] <= highest)
         bound = xp.max(
             xp.where(crossed, _APART * xp.diff(nodes) ** 2, -xp.inf), axis=-1
         )
         # points, by their neighbours
-        inside = (omega[2:] >= low) & (omega[:-2] <= high)
+        inside = (omega[2:] >= lowest) & (omega[:-2] <= highest)
 
         def largest(values: Array, slopes: tuple[float, float]) -> Array:
             distance = LEFT_OUT * xp.abs(_left_out(nodes, values, slopes))

@@ -42,7 +42,7 @@ from ..errors import InputError
 from ..material.validity import material_in_words
 from ..models import Model, as_model, seeds_of
 from ..results.base import WIDE, Array, Result, quantity, record, setting
-from ..results.doubts import Doubt
+from ..results.doubts import Doubt, carried
 from ..results.words import (
     brief,
     given_in_words,
@@ -463,7 +463,9 @@ def leak(
     inputs = tuple(_inputs_in_words(foundation, pressed, given, seal))
     found = _found(given, flow, good, inputs)
     wide = _wide_by_heights(pressed, found.model_error, good)
-    return dataclasses.replace(found, marks=(*doubts, *wide))
+    of_ring = () if o_ring is None else o_ring.examined()
+    theirs = carried(of_ring, lambda points: xp.broadcast_to(points.any(), shape))
+    return dataclasses.replace(found, marks=(*doubts, *wide, *theirs))
 
 
 def _angle(direction: float) -> float:

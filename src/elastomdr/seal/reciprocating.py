@@ -437,7 +437,7 @@ def _under_ring(
             time=time,
         )
     marks = [mark for mark in film_of_ring.marks if mark.kind != "estimate"]
-    marks += carried(ring.marks, lambda points: np.resize(points, velocity.shape))
+    marks += carried(ring.examined(), lambda points: np.resize(points, velocity.shape))
     film = np.asarray(film_of_ring.flow / velocity)
     remarks = tuple(line for line in film_of_ring.inputs if line[0] == "material")
     return _Carried(

@@ -127,9 +127,7 @@ def shared_grid(velocity: Float[np.ndarray, " points"], rtol: float) -> SharedGr
         lagrange(place - first, STENCIL - 2),
     )
 
-    def matrix(
-        stencil: tuple[np.ndarray, np.ndarray], weights: np.ndarray
-    ) -> np.ndarray:
+    def matrix(stencil: tuple[Array, Array], weights: np.ndarray) -> np.ndarray:
         index, local = stencil
         rows = np.arange(velocity.size)[:, None, None] * nodes.size
         entries = (local * weights[:, None]).reshape(-1)
@@ -303,7 +301,7 @@ def shared_curve(
         math.floor(place.min()) - _MARGIN + 1,
         math.floor(place.max()) + _MARGIN,
     )
-    index, local = lagrange(place - first, STENCIL)
+    index, local = map(np.asarray, lagrange(place - first, STENCIL))
     coarse = np.pad(lagrange(place - first, STENCIL - 2)[1], ((0, 0), (1, 1)))
     below = kernels.below
     return SharedCurve(

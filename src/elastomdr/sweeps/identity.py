@@ -492,8 +492,7 @@ def _standing(module: ModuleType) -> Iterator[tuple[str, str]]:
     # what loops of a package have left over, types as a rule, depends on hashes
     public = () if is_ours(name) else getattr(module, "__all__", ())
     for key, value in list(vars(module).items()):
-        is_left = isinstance(value, (type, np.dtype)) and key not in public
-        if public and is_left:
+        if public and key not in public and isinstance(value, (type, np.dtype)):
             continue
         # what others set themselves while they are used is left out
         is_state = isinstance(value, (str, bool, type(None))) or (
