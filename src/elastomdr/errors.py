@@ -2,6 +2,8 @@
 what is accepted.
 """
 
+from __future__ import annotations
+
 import contextlib
 import difflib
 import os
@@ -16,6 +18,10 @@ from typing import NamedTuple
 _PACKAGE = os.path.dirname(__file__) + os.sep
 
 
+# of an error that tells of no value
+_UNTOLD = object()
+
+
 class InputError(ValueError):
     """Raised for input that has no meaning: it names the argument, the value and what
     is accepted.
@@ -24,8 +30,8 @@ class InputError(ValueError):
         said: the whole sentence; by default "ARGUMENT must be ACCEPTED, got GOT: HINT."
         argument: its name, also an attribute of the error; by default the word
             with which `said` begins, before "must" or a colon.
-        got: the value that is refused, likewise.
-        accepted: what is accepted, in words, likewise.
+        got: the value that is refused, likewise; not told where it is left out.
+        accepted: what is accepted, in words that follow "must be", likewise.
         hint: what to do, in words, likewise.
     """
 
@@ -34,7 +40,7 @@ class InputError(ValueError):
         said: str = "",
         *,
         argument: str = "",
-        got: object = None,
+        got: object = _UNTOLD,
         accepted: str = "",
         hint: str = "",
     ):
@@ -42,7 +48,11 @@ class InputError(ValueError):
         first = said.partition(" must ")[0].partition(": ")[0]
         name = first.rpartition("] ")[2]  # of a scene, behind its table
         self.argument = argument or (first if name.isidentifier() else "")
-        self.got, self.accepted, self.hint = got, accepted, hint
+        self.accepted, self.hint = accepted, hint
+        self.tells_got = got is not _UNTOLD
+        self.got = got if self.tells_got else None
+        # what holds it, outermost first: the argument that names a file, and the file
+        self.places: tuple[tuple[str, str], ...] = ()
         # what the sentence begins with, which others may call otherwise
         begins = not said or said.startswith(self.argument)
         self.subject = self.argument if begins else ""
@@ -52,15 +62,42 @@ class InputError(ValueError):
         return self.words(self.subject, _written)
 
     def words(self, subject: str, shown: Callable[[object], str]) -> str:
-        """The sentence that begins with `subject`, with the value as `shown` writes it."""
+        """The sentence behind its places: it begins with `subject`, and the value is
+        as `shown` writes it.
+        """
         rest = self.rest
         if not rest:
             hint = self.hint
             ends = f". {hint}" if hint.endswith(("?", ".")) else f": {hint}."
-            got = shown(self.got)
-            rest = f" must be {self.accepted}, got {got}{ends if hint else '.'}"
+            got = f", got {shown(self.got)}" if self.tells_got else ""
+            rest = f" must be {self.accepted}{got}{ends if hint else '.'}"
         between = "" if rest.startswith((" ", ":")) else " "
-        return f"{subject}{between}{rest}".strip()
+        places = (" ".join(filter(None, place)) for place in self.places)
+        return ": ".join((*places, f"{subject}{between}{rest}".strip()))
+
+    def inside(self, place: str, argument: str = "") -> None:
+        """Puts what holds the argument before the sentence; then `raise`.
+
+        Args:
+            place: such as a file, or one of several materials.
+            argument: the argument that was typed where the own one is a part of the
+                place; nothing is put before an error that is about this argument.
+        """
+        if not argument or self.argument != argument:
+            self.places = ((argument, place), *self.places)
+            self.argument = argument or self.argument
+
+    def called(self, argument: str, subject: str = "") -> None:
+        """Names the argument as it was typed, and, if that says more, as the sentence
+        calls it.
+        """
+        old, self.argument = self.argument, argument
+        if self.subject == old:
+            self.subject = subject or argument
+        self.places = tuple(
+            (argument if named == old and old else named, place)
+            for named, place in self.places
+        )
 
     def stands_in(self, table: str) -> None:
         """Puts the table of a scene before the argument, unless it stands there."""
@@ -75,8 +112,15 @@ class InputError(ValueError):
             self.argument = key.rstrip(":")
 
 
+_BRIEF = reprlib.Repr()
+_BRIEF.maxstring = _BRIEF.maxother = 120
+
+
 def _written(value: object) -> str:
-    return f"{value:g}" if isinstance(value, float) else reprlib.repr(value)
+    if isinstance(value, float):
+        return f"{value:g}"
+    value = str(value) if isinstance(value, os.PathLike) else value
+    return " ".join(_BRIEF.repr(value).split())
 
 
 class ConvergenceWarning(UserWarning):

@@ -110,11 +110,15 @@ def _computed(
                 results.append(call())
                 add(1)
             except InputError as error:
-                if i == 0 and not str(error).startswith("material"):
+                if i == 0 and error.argument != "material":
                     raise  # of the other arguments
                 called = getattr(call.args[0], "name", "")
-                called = f" ({called})" if called else ""
-                raise InputError(f"material[{i}]{called}: {error}") from error
+                which = f"material[{i}] ({called})" if called else f"material[{i}]"
+                if error.argument == "material":
+                    error.called(f"material[{i}]", which)
+                else:
+                    error.inside(which)
+                raise
             of_whom += [drawn[0] if drawn else name] * (len(caught) - len(of_whom))
     of_each = list(zip(of_whom, caught, strict=True))
     _warn_once(of_each, _TEXTS if drawn is None else 1)

@@ -178,10 +178,9 @@ def how_drawn(scene: Scene, arguments: Arguments, folder: Path) -> Arguments:
             try:
                 measured = em.read_friction(folder / file)
             except InputError as error:  # a scene has no options for the reader
-                raise InputError(
-                    f'{error} In a scene, titles have to say it, such as "velocity '
-                    '[mm/s]".'
-                ) from error
+                said = 'In a scene, titles have to say it, such as "velocity [mm/s]".'
+                error.rest += f" {said}"
+                raise
         for line in measured.report:
             warn(line, em.ModelWarning)
         shown["measured"] = measured.points

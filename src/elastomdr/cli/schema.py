@@ -393,7 +393,7 @@ def path_from(key: str) -> Iterator[None]:
         yield
     except InputError as error:
         if error.argument == "path":
-            error.subject = error.argument = key
+            error.called(key)
         else:
             error.stands_for(f"{key}:")
         raise

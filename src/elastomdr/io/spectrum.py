@@ -115,7 +115,8 @@ def read_spectrum(
             q[kept], c[kept], convention, low, high, [left] if lines else []
         )
     except InputError as error:
-        raise InputError(f"path: {name!r}: {error}") from error
+        error.inside(repr(name), "path")
+        raise
 
 
 def _densities(

@@ -167,9 +167,9 @@ def read_surface(
     try:
         return surface(scans, shortest, detrend)
     except InputError as error:
-        raise InputError(
-            f"path: {', '.join(map(repr, paths))}: {error}" if paths else str(error)
-        ) from error
+        if paths:
+            error.inside(", ".join(map(repr, paths)), "path")
+        raise
 
 
 class _Layout(NamedTuple):
@@ -196,12 +196,8 @@ def _scans(source: Any, pixel_size: Any, layout: _Layout) -> list[Scan]:
                 return [_from_instrument(path, pixel_size, layout)]
             return _from_text(path, pixel_size, layout)
         except InputError as error:
-            message = str(error)
-            raise InputError(
-                message
-                if message.startswith("path")
-                else f"path: {path.name!r}: {message}"
-            ) from error
+            error.inside(repr(path.name), "path")
+            raise
     if layout != _Layout([None], None):
         raise InputError(
             "unit goes with a file, as columns do; heights of an array are in metres, got "

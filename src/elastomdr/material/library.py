@@ -91,7 +91,8 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedMod
             **constants,
         )
     except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        error.inside(str(path), "name_or_path")
+        raise
     given = document.get("reference_temperature")
     if material.shift is not None and given is not None:
         reference = float(material.shift.reference)

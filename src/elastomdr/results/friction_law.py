@@ -353,7 +353,8 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
     try:
         return gridded(points, from_kinds(kinds))
     except InputError as error:
-        raise InputError(f"path: {name!r}: {error}") from error
+        error.inside(repr(name), "path")
+        raise
 
 
 def gridded(
