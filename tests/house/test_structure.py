@@ -9,6 +9,8 @@ import sys
 from pathlib import Path
 from types import FrameType
 
+import pytest
+
 import elastomdr as em
 
 SOURCE = Path(em.__file__).parent
@@ -253,12 +255,7 @@ def circle(paths: list[Path], types: bool = False) -> list[str]:
     return sorted("/".join(home) for home in needs)
 
 
-def test_no_circle_of_imports():
+@pytest.mark.parametrize("types", [False, True], ids=["as it runs", "types counted"])
+def test_no_circle_of_imports(types):
     """Not inside a room either, nor where a function imports when it is called."""
-    assert not circle(files())
-
-
-def test_no_circle_with_types_counted():
-    """What draws results names these, which import it where they are drawn."""
-    left_out = {"plotting.py", "plot_curves.py", "plot_contacts.py"}
-    assert not circle([path for path in files() if path.name not in left_out], True)
+    assert not circle(files(), types)

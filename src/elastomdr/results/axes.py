@@ -4,7 +4,7 @@ depth.
 
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,13 +17,39 @@ _ALIKE = 1e-6
 _NAMES = {"normal_force": "load", "force": "load", "load_per_length": "load"}
 
 
+class Quantity(NamedTuple):
+    """What a field of numbers is."""
+
+    label: str  # in the title of a column
+    unit: str  # "-" for a plain number, "" for yes or no
+    meaning: str = ""  # in one line
+    # "..." one value per point, "... name" a series of values per point, "" one for all
+    # points
+    dims: str = "..."
+    axis: str = ""  # label of an axis in a figure, where it is not that of the column
+    shown: str = ""  # unit in a figure, where it is not `unit`
+    path: str = ""  # of the field in its result, such as "contact.leading"
+    # its name in a table: the last part of the path where that is of one field only
+    key: str = ""
+
+    @property
+    def title(self) -> str:
+        return f"{self.label} [{self.unit}]" if self.unit else self.label
+
+    @property
+    def axis_label(self) -> str:
+        words = self.axis or self.label
+        unit = (self.shown or self.unit).replace("^2", "²").replace("^3", "³")
+        return f"{words[0].upper()}{words[1:]} [{unit}]"
+
+
 class Axis(NamedTuple):
     """One axis of a result's arrays."""
 
     name: str
     # the axis' coordinate (names of materials are text), or 0 ... n-1 where it has none
     values: np.ndarray
-    quantity: Any = None  # the `Quantity` that runs along it; None where none does
+    quantity: Quantity | None = None  # that runs along it
 
     @property
     def known(self) -> bool:
@@ -32,7 +58,7 @@ class Axis(NamedTuple):
 
 
 def dimensions(
-    fields: Mapping[Any, np.ndarray], given: Iterable[str], last: str
+    fields: Mapping[Quantity, np.ndarray], given: Iterable[str], last: str
 ) -> list[Axis]:
     """The axes of a result: each is named after the first quantity that changes along
     it and along no other.

@@ -56,7 +56,7 @@ from ..errors import InputError
 from ..files import as_path, csv_text, write_files
 from ..notebook_tables import html_figure, html_table
 from ..trees import pytree, replaced
-from .axes import Axis, Curve, curves, dimensions, place_in_words
+from .axes import Axis, Curve, Quantity, curves, dimensions, place_in_words
 from .doubts import (
     FLAGS,
     TITLE,
@@ -90,32 +90,6 @@ T = TypeVar("T")
 _ROWS = 1_048_576  # of a sheet
 # rows of draws that are said of the first that has them: each draw has its own numbers
 _OF_A_DRAW = ("heights", "direction")
-
-
-class Quantity(NamedTuple):
-    """What a field of numbers is."""
-
-    label: str  # in the title of a column
-    unit: str  # "-" for a plain number, "" for yes or no
-    meaning: str = ""  # in one line
-    # "..." one value per point, "... name" a series of values per point, "" one for all
-    # points
-    dims: str = "..."
-    axis: str = ""  # label of an axis in a figure, where it is not that of the column
-    shown: str = ""  # unit in a figure, where it is not `unit`
-    path: str = ""  # of the field in its result, such as "contact.leading"
-    # its name in a table: the last part of the path where that is of one field only
-    key: str = ""
-
-    @property
-    def title(self) -> str:
-        return f"{self.label} [{self.unit}]" if self.unit else self.label
-
-    @property
-    def axis_label(self) -> str:
-        words = self.axis or self.label
-        unit = (self.shown or self.unit).replace("^2", "²").replace("^3", "³")
-        return f"{words[0].upper()}{words[1:]} [{unit}]"
 
 
 def quantity(

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -17,9 +17,10 @@ from .. import __version__
 from ..checks import in_si, significant
 from ..errors import InputError
 from ..files import as_path, csv_text, write_files
-from .base import Array, Quantity, Result, part, quantity, record, setting
+from .axes import Quantity
+from .base import Array, Result, part, quantity, record, setting
 from .doubts import TITLE, Doubt, carried, found, kinds_of_points
-from .friction_law import FrictionLaw, gridded
+from .friction_law import FrictionLaw, Ranked, gridded
 from .uncertainty import (
     ERRORS,
     FACTOR,
@@ -39,11 +40,6 @@ if TYPE_CHECKING:
 _LISTED = 6  # curves that a summary lists one by one
 # the input of a result that tells what a fit misses
 FITTED = "material against its data"
-_SIGNIFICANT = {
-    True: "significant",
-    False: "not significant",
-    None: "not known whether significant",
-}
 
 
 @part
@@ -573,32 +569,6 @@ class HalfSpaceCurve(AbstractCurve):
     title: ClassVar[str] = "Friction"
 
 
-class Ranked(NamedTuple):
-    """A material in a ranking."""
-
-    material: str
-    mu: float
-    # absolute: numerical, and what the material's fit misses of its data; NaN where not
-    # known
-    uncertainty: float
-    ahead: float  # of the next one; NaN for the last
-    # whether `ahead` exceeds both uncertainties together; None where one is not known
-    significant: bool | None
-    doubts: tuple[Doubt, ...] = ()  # of mu here
-
-    def words(self) -> str:
-        """Friction, uncertainty and lead."""
-        uncertainty = "(uncertainty not known)"
-        if not np.isnan(self.uncertainty):
-            uncertainty = f"+- {significant(self.uncertainty, 2)}"
-        words = f"mu {significant(self.mu)} {uncertainty}"
-        if np.isfinite(self.ahead):
-            ahead = significant(self.ahead, 2)
-            words += f"; ahead by {ahead}, {_SIGNIFICANT[self.significant]}"
-        kinds = ", ".join(dict.fromkeys(doubt.kind for doubt in self.doubts))
-        return f"{words} ({kinds})" if kinds else words
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Ranking:
     """What `FrictionCurve.ranking` returns: `places`, best grip first, and where they
@@ -685,8 +655,15 @@ class Ranking:
         it; returns the left Axes.
         """
         from .plot_curves import draw_ranking
+        from .plotting import DrawAsk
 
-        return draw_ranking(self, style, title)
+        laws = [self.curve.select(place.material).law() for place in self.places]
+        order = [self.curve.materials.index(place.material) for place in self.places]
+        point = {"temperature": self.temperature, "pressure": self.pressure}
+        at = {name: x for name, x in point.items() if x is not None}
+        ranked = list(zip(self.places, laws, order, strict=True))
+        ask = DrawAsk(None, style, title)
+        return draw_ranking(ranked, self.where(), self.velocity, at, ask)
 
     def __repr__(self) -> str:
         return self.summary()

@@ -17,7 +17,7 @@ import itertools
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from ..checks import (
     numpy_unless_traced,
     positive,
     require,
+    significant,
     untraced,
 )
 from ..errors import InputError
@@ -66,6 +67,37 @@ _LENGTH_UNITS = {"m": (1.0, 1.0, "m/s", "Pa"), "mm": (1e3, 1e-6, "mm/s", "MPa")}
 # ratio of neighbours where a program interpolates linearly: off by 0.6 % of what mu
 # changes over e
 _STEP = 1.25
+_SIGNIFICANT = {
+    True: "significant",
+    False: "not significant",
+    None: "not known whether significant",
+}
+
+
+class Ranked(NamedTuple):
+    """A material in a ranking."""
+
+    material: str
+    mu: float
+    # absolute: numerical, and what the material's fit misses of its data; NaN where not
+    # known
+    uncertainty: float
+    ahead: float  # of the next one; NaN for the last
+    # whether `ahead` exceeds both uncertainties together; None where one is not known
+    significant: bool | None
+    doubts: tuple[Doubt, ...] = ()  # of mu here
+
+    def words(self) -> str:
+        """Friction, uncertainty and lead."""
+        uncertainty = "(uncertainty not known)"
+        if not np.isnan(self.uncertainty):
+            uncertainty = f"+- {significant(self.uncertainty, 2)}"
+        words = f"mu {significant(self.mu)} {uncertainty}"
+        if np.isfinite(self.ahead):
+            ahead = significant(self.ahead, 2)
+            words += f"; ahead by {ahead}, {_SIGNIFICANT[self.significant]}"
+        kinds = ", ".join(dict.fromkeys(doubt.kind for doubt in self.doubts))
+        return f"{words} ({kinds})" if kinds else words
 
 
 class FrictionLaw(Tree):

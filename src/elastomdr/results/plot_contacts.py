@@ -11,6 +11,7 @@ from .plotting import (
     LOG_RATIO,
     PALETTE,
     Dots,
+    Drawable,
     DrawAsk,
     DrawnLine,
     Panels,
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-    from .base import Result
-
 # largest over middle interval from which instants are taken as spread over decades
 _DECADES = 30.0
 WAVE_NUMBER = "Wave number q [rad/m]"
@@ -39,7 +38,7 @@ SPECTRUM = "Spectrum C(q), <h²> = ∫C d²q [m⁴]"
 _TOUCHING = "#c23b22"
 
 
-def draw_impact(result: Result, ask: DrawAsk) -> Axes:
+def draw_impact(result: Drawable, ask: DrawAsk) -> Axes:
     """Draws the force of one impact against time."""
     from scipy.interpolate import CubicSpline
 
@@ -70,7 +69,7 @@ def draw_impact(result: Result, ask: DrawAsk) -> Axes:
     return sketch.finish()
 
 
-def draw_indentation(result: Result, ask: DrawAsk) -> Axes:
+def draw_indentation(result: Drawable, ask: DrawAsk) -> Axes:
     """Draws depth, force and radius against time and the force against the depth; on
     given axes the last alone.
     """
@@ -148,7 +147,7 @@ def _force_unit(force: np.ndarray, ax: Axes | None) -> tuple[str, float]:
     )
 
 
-def draw_line_contact(result: Result, ask: DrawAsk) -> Axes:
+def draw_line_contact(result: Drawable, ask: DrawAsk) -> Axes:
     """Draws the line and the rubber's surface, with what touches in colour."""
     sketch = ResultSketch(result, ask)
     x, line, rubber = (
@@ -178,7 +177,9 @@ def draw_line_contact(result: Result, ask: DrawAsk) -> Axes:
     return sketch.finish()
 
 
-def draw_rough_contact(result: Result, ask: DrawAsk, x: str = "", y: str = "") -> Axes:
+def draw_rough_contact(
+    result: Drawable, ask: DrawAsk, x: str = "", y: str = ""
+) -> Axes:
     """Draws a field of a rough contact, both axes logarithmic where they are spread
     widely, its error as a band.
     """

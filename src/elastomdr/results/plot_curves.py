@@ -4,7 +4,7 @@ time or frequency, measured points on them, and a ranking as bars.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -21,6 +21,7 @@ from .plotting import (
     Across,
     Caption,
     Dots,
+    Drawable,
     DrawAsk,
     DrawnLine,
     Entry,
@@ -42,11 +43,11 @@ if TYPE_CHECKING:
     from matplotlib.typing import ColorType
 
     from .._types import ArrayLike
-    from .base import Band, Result
-    from .curve import Ranked, Ranking
-    from .spectrum import FrictionSpectrum
+    from .friction_law import FrictionLaw, Ranked
 
     Measured: TypeAlias = Mapping[str, ArrayLike]
+    # lower end, median and upper end of draws
+    Band: TypeAlias = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 _VISIBLE = 0.004  # part of the figure's height from which an error band can be seen
 # distance from a curve's up to which a measured point takes its colour [K]
@@ -57,7 +58,7 @@ _UNSTABLE = "#c03030"
 
 
 def draw_curve(
-    result: Result,
+    result: Drawable,
     ask: DrawAsk,
     measured: Measured | None = None,
     spread: Band | None = None,
@@ -273,7 +274,7 @@ def grouped(temperature: np.ndarray) -> list[float]:
     return [float(run.mean()) for run in runs if run.size]
 
 
-def draw_traction(result: Result, ask: DrawAsk) -> Axes:
+def draw_traction(result: Drawable, ask: DrawAsk) -> Axes:
     """Draws traction against creepage or slip, as it was given; dashed what a contact
     has that slips all over.
     """
@@ -303,7 +304,7 @@ def draw_traction(result: Result, ask: DrawAsk) -> Axes:
     return draw(result, ask, x=x, also=full_slip)
 
 
-def draw_break_out(result: Result, ask: DrawAsk, y: str) -> Axes:
+def draw_break_out(result: Drawable, ask: DrawAsk, y: str) -> Axes:
     """Draws the break-out coefficient or the real contact against the dwell, the whole
     uncertainty as a band: that of both is relatively the same.
     """
@@ -316,7 +317,7 @@ def draw_break_out(result: Result, ask: DrawAsk, y: str) -> Axes:
     return draw(result, ask, y=y, also=band)
 
 
-def draw_heat_build_up(result: Result, ask: DrawAsk) -> Axes:
+def draw_heat_build_up(result: Drawable, ask: DrawAsk) -> Axes:
     """Draws temperature against time, with the steady one dotted, or the steady one
     against velocity.
     """
@@ -331,7 +332,7 @@ def draw_heat_build_up(result: Result, ask: DrawAsk) -> Axes:
     return draw(result, ask, x="time" if over_time else "velocity", also=steady)
 
 
-def draw_stability(result: Result, ask: DrawAsk) -> Axes:
+def draw_stability(result: Drawable, ask: DrawAsk) -> Axes:
     """Draws the damping ratio against velocity; dotted where friction does not follow,
     shaded where swings grow.
     """
@@ -362,7 +363,7 @@ def draw_stability(result: Result, ask: DrawAsk) -> Axes:
     return sketch.finish()
 
 
-def draw_dissipation(result: Result, ask: DrawAsk) -> Axes:
+def draw_dissipation(result: Drawable, ask: DrawAsk) -> Axes:
     """Draws shares against relaxation time, one line per point that converged."""
     sketch = ResultSketch(result, ask)
     for line in sketch.lines():
@@ -381,19 +382,19 @@ def draw_dissipation(result: Result, ask: DrawAsk) -> Axes:
 
 
 def draw_friction_spectrum(
-    result: FrictionSpectrum, ask: DrawAsk, colour: ColorType | None = None
+    result: Drawable, ask: DrawAsk, width: float, colour: ColorType | None = None
 ) -> Axes:
     """Draws the part of mu per decade of frequency as steps: the area under a line is
-    its friction coefficient.
+    its friction coefficient; `width` is the upper frequency of a band over its lower.
     """
     from matplotlib.colors import to_hex
 
     sketch = ResultSketch(result, ask)
-    half, limits = np.sqrt(result.width), []
+    half, limits = np.sqrt(width), []
     highest = np.nanmax(sketch.fields["mu"], initial=0.0)
     for line in sketch.lines():
         edges = np.append(line.x / half, line.x[-1] * half)
-        x, y = np.repeat(edges, 2)[1:-1], np.repeat(line.y / np.log10(result.width), 2)
+        x, y = np.repeat(edges, 2)[1:-1], np.repeat(line.y / np.log10(width), 2)
         only = to_hex(colour) if colour and len(sketch.curves) == 1 else None
         sketch.add(
             Trace(x, y, line.curve.label, colour=only or line.colour, is_curve=True)
@@ -408,7 +409,7 @@ def draw_friction_spectrum(
     return sketch.finish()
 
 
-def draw_density(result: Result, ask: DrawAsk) -> Axes:
+def draw_density(result: Drawable, ask: DrawAsk) -> Axes:
     """Draws the density of a force over frequency."""
     ax = draw(result, ask, y="density")
     ax.set_yscale("log")
@@ -416,7 +417,7 @@ def draw_density(result: Result, ask: DrawAsk) -> Axes:
     return ax
 
 
-def draw_amplitudes(result: Result, ask: DrawAsk) -> Axes:
+def draw_amplitudes(result: Drawable, ask: DrawAsk) -> Axes:
     """Draws the amplitudes of a force as a spectrum of lines."""
     sketch = ResultSketch(result, ask)
     for line in sketch.lines():
@@ -431,41 +432,38 @@ def draw_amplitudes(result: Result, ask: DrawAsk) -> Axes:
     return sketch.finish()
 
 
-def draw_ranking(ranking: Ranking, style: str | None, title: str | None) -> Axes:
-    """Friction of each material against velocity, at the temperature of a ranking, and
-    the ranking as bars.
+def draw_ranking(
+    ranked: Sequence[tuple[Ranked, FrictionLaw, int]],
+    where: str,
+    velocity: float,
+    at: Mapping[str, float],
+    ask: DrawAsk,
+) -> Axes:
+    """Friction of each material against velocity, where a ranking holds, and the
+    ranking as bars; with each place its law and its number in the figure of the curve.
     """
-    heading = f"Ranking at {ranking.where()}".replace("degC", "°C")
-    entry = Entry(
-        heading,
-        heading,
-        ("Sliding velocity [m/s]", "Friction coefficient [-]"),
-        asked=DrawAsk(title=title),
-    )
-    panels = Panels(2, 1, heights=(1.6, 1.0))
-    sketch = Sketch(DrawAsk(None, style), entry, panels)
-    bars, count = sketch.canvas.panels[1], len(ranking.places)
-    given = {"temperature": ranking.temperature, "pressure": ranking.pressure}
-    given = {name: x for name, x in given.items() if x is not None}
-    known = [place.mu for place in ranking.places if np.isfinite(place.mu)]
+    heading = f"Ranking at {where}".replace("degC", "°C")
+    names = "Sliding velocity [m/s]", "Friction coefficient [-]"
+    entry = Entry(heading, heading, names, asked=DrawAsk(title=ask.title))
+    sketch = Sketch(ask, entry, Panels(2, 1, heights=(1.6, 1.0)))
+    bars = sketch.canvas.panels[1]
+    known = [place.mu for place, _, _ in ranked if np.isfinite(place.mu)]
     margin = 0.01 * max(known, default=1.0)
     sketch.ax.set_xscale("log")
     by_material = []
-    for i, place in enumerate(ranking.places):
-        # as in the figure of the curve
-        colour = PALETTE[ranking.curve.materials.index(place.material) % len(PALETTE)]
-        law = ranking.curve.select(place.material).law()
+    for i, (place, law, number) in enumerate(ranked):
+        colour = PALETTE[number % len(PALETTE)]
         v = np.asarray(law.velocity)
-        doubts = law.doubts_at(velocity=v, **given)
+        doubts = law.doubts_at(velocity=v, **at)
         by_material.append((place.material, found(doubts)))
         points = dotted(doubts, v.shape)
-        sketch.add(Trace(v, np.asarray(law(v, **given)), colour=colour, dotted=points))
+        sketch.add(Trace(v, np.asarray(law(v, **at)), colour=colour, dotted=points))
         _draw_bar(sketch, bars, i, place, colour, margin)
     entry.notes += in_short(by_material)
-    sketch.add(Across(x=ranking.velocity, colour=FAINT, dashes=":"))
+    sketch.add(Across(x=velocity, colour=FAINT, dashes=":"))
     sketch.ax.set_ylim(0, None)
     bars.set(yticks=[], xlabel="Friction coefficient [-]")
-    bars.set(xlim=(0, None), ylim=(count - 0.5, -0.75))
+    bars.set(xlim=(0, None), ylim=(len(ranked) - 0.5, -0.75))
     bars.locator_params(axis="x", nbins=5)
     return sketch.finish()
 

@@ -12,12 +12,13 @@ import io
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, NamedTuple, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
+from ..checks import Array
 from ..errors import InputError
-from .axes import Curve
+from .axes import Axis, Curve, Quantity
 from .doubts import SHORT, Doubt
 from .words import in_unit
 
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .._types import ArrayLike
-    from .base import Result
 
 PALETTE = (
     "#1f5a94",
@@ -89,6 +89,31 @@ class DrawAsk(NamedTuple):
     title: str | None = None
     label: str | None = None
     group: bool = False  # whether it is one of several materials
+
+
+class Drawable(Protocol):
+    """What a figure asks of a result."""
+
+    title: ClassVar[str]
+    across: ClassVar[str]
+    shows: ClassVar[str]
+    last: ClassVar[str]
+    scale: ClassVar[str]
+    each: ClassVar[str]
+    from_zero: ClassVar[bool]
+
+    @property
+    def inputs(self) -> tuple[tuple[str, str], ...]: ...
+    @property
+    def converged(self) -> Array: ...
+    @property
+    def doubts(self) -> tuple[Doubt, ...]: ...
+    def quantities(self) -> list[Quantity]: ...
+    def fields(self, dims: str | None = "...") -> dict[Quantity, np.ndarray]: ...
+    def curves(self, along: str = "velocity") -> tuple[Axis, list[Curve]]: ...
+    def heading(self) -> str: ...
+    def short_model(self) -> str: ...
+    def counted(self) -> tuple[int, int]: ...
 
 
 class Panels(NamedTuple):
@@ -392,7 +417,7 @@ class ResultSketch(Sketch):
 
     def __init__(
         self,
-        result: Result,
+        result: Drawable,
         ask: DrawAsk,
         x: str = "",
         y: str = "",
@@ -557,7 +582,7 @@ def _new_canvas(style: Style, panels: Panels | None) -> Canvas:
 
 
 def draw(
-    result: Result,
+    result: Drawable,
     ask: DrawAsk,
     x: str = "",
     y: str = "",

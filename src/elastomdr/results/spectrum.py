@@ -113,7 +113,7 @@ class FrictionSpectrum(Result):
         from .plotting import DrawAsk
 
         return self._draw(
-            partial(draw_friction_spectrum, colour=colour),
+            partial(draw_friction_spectrum, width=self.width, colour=colour),
             DrawAsk(ax, style, title, label),
         )
 

@@ -28,7 +28,7 @@ import numpy as np
 from .. import __version__
 from ..checks import in_si, warn_of_failed
 from ..errors import ConvergenceWarning, InputError, warn
-from ..results.base import Quantity
+from ..results.axes import Quantity
 from ..results.doubts import FLAGS, TITLE, flags
 from .grid import Grid, grid, positional
 from .identity import (

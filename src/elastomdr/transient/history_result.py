@@ -9,7 +9,8 @@ import numpy as np
 
 from ..checks import in_si, is_traced, plain, positive, significant
 from ..errors import InputError
-from ..results.base import Array, Quantity, Result, quantity, record, setting
+from ..results.axes import Quantity
+from ..results.base import Array, Result, quantity, record, setting
 from ..results.doubts import carried
 from ..results.words import span
 

@@ -24,7 +24,8 @@ from .. import __version__
 from ..checks import in_si, positive, significant
 from ..errors import InputError
 from ..files import as_path, write_files
-from ..results.base import Array, Quantity, Result, quantity, record
+from ..results.axes import Quantity
+from ..results.base import Array, Result, quantity, record
 from ..results.curve import Contact
 from ..results.doubts import in_words
 from ..results.words import span
