@@ -131,9 +131,9 @@ def test_a_wrong_entry_is_named_by_its_place():
     with refused("velocity", -1.0) as found:
         em.friction([SOFT, HARD], BALL, velocity=-1.0, load=1.0)
     assert found.value.got == -1.0
-    warm = dataclasses.replace(HARD, shift=em.WLF(17.44, 51.6, 263.0), name="hard")
-    with refused("temperature", "material[1] (hard)"):
-        em.friction([SOFT, warm], BALL, velocity=1.0, load=1.0)
+    warm = dataclasses.replace(HARD, shift=em.WLF(17.44, 51.6, 263.0))
+    with refused("", "material[1] (soft)", "temperature"):
+        em.friction([warm, SOFT], BALL, velocity=1.0, load=1.0, temperature=293.0)
 
 
 def test_warnings_are_heard_while_another_thread_silences_its_own():
