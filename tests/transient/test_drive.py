@@ -241,10 +241,10 @@ def test_mount_of_a_whole_body_shared_among_its_lines():
         -2.5e3 / 40
     )
     for arguments, words in (
-        ((0.0, 40.0), "load must be positive"),
-        ((20.0, -1.0), "normal_force must be positive"),
+        ((0.0, 40.0), ("load", 0)),
+        ((20.0, -1.0), ("normal_force", -1)),
     ):
-        with pytest.raises(em.InputError, match=words):
+        with refused(*words):
             whole.for_line(*arguments)
 
 
@@ -270,7 +270,7 @@ def test_swing_of_a_body_without_friction():
     still = pulled(0.0, 0.0)
     assert np.isnan(still.swing(period)).all()
     for wrong in (0.0, 1e-9, 4 * period):
-        with pytest.raises(em.InputError, match="period must"):
+        with refused("period"):
             still.swing(wrong)
     # zeta = 0.1
     whole = jax.jit(jax.vmap(lambda c: pulled(c).swing(period)))
@@ -376,14 +376,18 @@ def test_gradient_through_the_motion_meets_finite_differences():
         )
 
 
+def test_refuses_bad_mounts():
+    for name, value in {"mass": 0.0, "stiffness": -1.0, "damping": np.nan}.items():
+        with refused(name, f"{value:g}"):
+            em.Mount(**{"mass": 1.0, name: value})
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         ({"tangential": 3.0}, ("tangential", "em.Mount")),
-        ({"normal": em.Mount(0.0)}, ("normal mass", "positive")),
-        ({"normal": em.Mount(1.0, -1.0)}, ("normal stiffness",)),
         ({"track": WAVY}, ("track",)),
-        ({"time": [0.0, 0.0]}, ("time", "ascend")),
+        ({"time": [0.0, 0.0]}, ("time", "ascending")),
         ({"load": -1.0}, ("load",)),
         (
             {"material": em.Foundation(1e9, [], [], per_area=True)},
@@ -424,14 +428,14 @@ def test_a_motion_that_takes_too_long_is_refused_with_one_that_does_not(
         some = time[time <= until]
         return em.drive(**FAST, time=some, position=speed * some, rtol=0.1)
 
-    with refused("", "shorter") as caught:
+    with refused("position", "shorter") as caught:
         part(time[-1])
     lasts = float(re.search(r"the first (\S+) s of it", str(caught.value))[1])
     assert 0.02 * time[-1] < lasts < time[-1]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.ConvergenceWarning)
         assert part(lasts).time.size > 2
-    with refused("", "shorter"):
+    with refused("position", "shorter"):
         part(5 * lasts)
 
 

@@ -82,7 +82,7 @@ def test_density_of_noise():
     ("arguments", "text"),
     [
         ({"force": "pull"}, ("force", "normal_force", "friction_force")),
-        ({"since": 0.399}, ("since", "leave eight instants")),
+        ({"since": 0.399}, ("since", "eight instants", 0.399)),
         ({"period": 0.0505e-1}, ("period",)),
         ({"period": 1.0}, ("period",)),
     ],
@@ -93,7 +93,7 @@ def test_bad_input(arguments, text):
 
 
 def test_uneven_or_failed_instants_are_refused():
-    with pytest.raises(em.InputError, match="evenly spaced"):
+    with refused("time", "evenly"):
         motion(time=TIME**1.1).spectrum()
-    with pytest.raises(em.InputError, match="converged"):
+    with refused("since", "converged"):
         motion(np.where(TIME > 0.2, np.nan, FORCE)).spectrum()

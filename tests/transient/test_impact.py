@@ -15,6 +15,7 @@ from elastomdr.element.contact_step import contact_step, rest
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.transient.impact_motion import Striker, grid, march
 
+from ..refused import refused
 from .bouncing import BALL, DM, KELVIN_VOIGT, E, M, R, V, impact, kelvin_voigt
 
 
@@ -268,29 +269,29 @@ def test_temperature_is_a_change_of_times():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"mass": 0.0}, "mass must be positive"),
-        ({"velocity": -1.0}, "velocity must be positive"),
-        ({"mass": [1.0, 2.0], "velocity": [1.0, 2.0, 3.0]}, "must broadcast"),
-        ({"velocity": []}, "must not be empty"),
-        ({"temperature": 300.0}, "no shift law"),
-        ({"rtol": 1.0}, "rtol must be"),
+        ({"mass": 0.0}, ("mass", 0)),
+        ({"velocity": -1.0}, ("velocity", -1)),
+        ({"mass": [1.0, 2.0], "velocity": [1.0, 2.0, 3.0]}, ("", "broadcast")),
+        ({"velocity": []}, ("", "empty")),
+        ({"temperature": 300.0}, ("", "shift law")),
+        ({"rtol": 1.0}, ("rtol", 1)),
     ],
 )
 def test_bad_input(changes, message):
-    with pytest.raises(em.InputError, match=message):
+    with refused(*message):
         impact(RUBBER, **changes)
 
 
 def test_bad_scenes():
-    with pytest.raises(em.InputError, match="layer under a Cylinder"):
+    with refused("material", "Cylinder", "em.springs"):
         em.impact(em.KelvinVoigt(1e6, 1.0), em.Cylinder(R, 0.1), mass=M, velocity=V)
-    with pytest.raises(em.InputError, match="empty list"):
+    with refused("material", "[]"):
         em.impact([], BALL, mass=M, velocity=V)
     kinds = [
         em.half_space(em.KelvinVoigt(1e6, 1.0)),
         em.Foundation(1e6, [], [], per_area=True),
     ]
-    with pytest.raises(em.InputError, match="both"):
+    with refused("material", "half-spaces", "layers"):
         em.impact(kinds, BALL, mass=1, velocity=1)
 
 

@@ -345,7 +345,7 @@ def test_a_sphere_pressed_to_its_equator():
     assert np.isnan(result.depth[~result.converged]).all()
     assert result.converged[0]
     assert not result.converged[-1]
-    with pytest.raises(em.InputError, match="depth must be below"):
+    with refused("depth", "profile", 1):
         em.indent(SOLID, em.Sphere(0.01), time=TIMES, depth=1.0)
 
 
@@ -375,32 +375,23 @@ def test_area_and_energy_against_quadrature(shape, kind):
 # ---------------------------------------------------------------- refusals
 
 BAD = {
-    "neither": ({}, "load or depth must be given"),
-    "one instant": ({"time": [1.0], "depth": [0.1]}, "two instants"),
-    "descending": (
-        {"time": [1.0, 0.0], "depth": 0.1},
-        "time must be ascending, got 1 followed by 0",
-    ),
-    "pulling": ({"load": [0.0, -1.0]}, "load must be zero or positive.*adhesion.*-1"),
-    "infinite depth": ({"depth": [0.0, np.inf]}, "depth must be finite, got inf"),
-    "shapes": ({"depth": [0.0, 1.0, 2.0]}, "must broadcast"),
-    "both everywhere": (
-        {"depth": [0.0, 1.0], "load": [0.0, 1.0]},
-        "one of them must be NaN",
-    ),
-    "rtol": ({"depth": [0.0, 1e-3], "rtol": 1e-13}, "rtol must be"),
-    "no shift law": ({"depth": [0.0, 1e-3], "temperature": 300.0}, "no shift law"),
-    "negative adhesion": (
-        {"depth": [0.0, 1e-3], "adhesion": -1.0},
-        "adhesion must be positive",
-    ),
+    "neither": ({}, ("load", "depth")),
+    "one instant": ({"time": [1.0], "depth": [0.1]}, ("time", "two instants")),
+    "descending": ({"time": [1.0, 0.0], "depth": 0.1}, ("time", "[1.0, 0.0]")),
+    "pulling": ({"load": [0.0, -1.0]}, ("load", "adhesion", -1)),
+    "infinite depth": ({"depth": [0.0, np.inf]}, ("depth", "inf")),
+    "shapes": ({"depth": [0.0, 1.0, 2.0]}, ("", "broadcast")),
+    "both everywhere": ({"depth": [0.0, 1.0], "load": [0.0, 1.0]}, ("depth", "NaN")),
+    "rtol": ({"depth": [0.0, 1e-3], "rtol": 1e-13}, ("rtol",)),
+    "no shift law": ({"depth": [0.0, 1e-3], "temperature": 300.0}, ("", "shift law")),
+    "negative adhesion": ({"depth": [0.0, 1e-3], "adhesion": -1.0}, ("adhesion", -1)),
 }
 
 
 @pytest.mark.parametrize("name", BAD)
 def test_refuses(name):
     arguments, message = BAD[name]
-    with pytest.raises(em.InputError, match=message):
+    with refused(*message):
         em.indent(SOLID, BALL, **{"time": [0.0, 1.0], **arguments})
 
 
@@ -409,7 +400,7 @@ def test_refuses_what_has_no_answer():
         em.indent(
             em.Foundation(1.0, [], [], 1.0), BALL, time=[0.0, 1.0], depth=[1e-3, 1e-3]
         )
-    with pytest.raises(em.InputError, match="adhesion needs a solid"):
+    with refused("material", "solid", "adhesion"):
         em.indent(
             em.Foundation(0.0, [1.0], [1.0]),
             BALL,

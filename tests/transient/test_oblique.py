@@ -10,6 +10,8 @@ import pytest
 
 import elastomdr as em
 
+from ..refused import refused
+
 R, M, V, E = 0.01, 0.02, 1.5, 4e6
 BALL = em.Paraboloid(R)
 NORMAL, TANGENTIAL = em.Foundation(E, [], []), em.Foundation(E * 2 / 3, [], [])
@@ -113,13 +115,13 @@ def test_energy_and_bad_input():
     assert 0 < found.oblique.slip_loss < found.oblique.lost
     assert "tangential velocity at separation [m/s]" in found.csv()
     for changes, message in (
-        ({"friction": None}, "friction must be given"),
-        ({"tangential": None}, "tangential must be given"),
-        ({"u": None}, "belongs to an oblique impact"),
-        ({"inertia": -1.0}, "inertia must be positive"),
+        ({"friction": None}, ("friction", "tangential_velocity")),
+        ({"tangential": None}, ("tangential", "Foundation")),
+        ({"u": None}, ("friction", "tangential_velocity", 0.3)),
+        ({"inertia": -1.0}, ("inertia", -1)),
     ):
         arguments = {"u": 1.0, "mu": 0.3} | {
             ("mu" if k == "friction" else k): v for k, v in changes.items()
         }
-        with pytest.raises(em.InputError, match=message):
+        with refused(*message):
             strike(**arguments)

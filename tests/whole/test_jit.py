@@ -9,6 +9,8 @@ import pytest
 import elastomdr as em
 from elastomdr.transient.layer_disc import layer_disc
 
+from ..refused import refused
+
 RUBBER, BALL, TIME = (
     em.StandardSolid(1e6, 4e6, 0.3),
     em.Paraboloid(5e-3),
@@ -152,7 +154,7 @@ NUMBERS = {
 
 @pytest.mark.parametrize("verb", NUMBERS)
 def test_what_takes_numbers_alone_says_so(verb):
-    with pytest.raises(em.InputError, match=f"em.{verb} cannot be called under"):
+    with refused({"impact": "mass", "shear": "displacement"}[verb], "jit"):
         jax.jit(lambda k: NUMBERS[verb](k).error)(1.0)
 
 

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..arrays import compiled, on_numpy, tree_map, xp
-from ..checks import Array, positive, scalar
+from ..checks import Array, not_negative, positive, scalar
 from ..element.contact_step import (
     Coefficients,
     Elements,
@@ -81,7 +81,15 @@ class Mount(Tree):
     damping: Plain
 
     def __init__(self, mass: Number, stiffness: Number = 0.0, damping: Number = 0.0):
-        fill(self, mass=mass, stiffness=stiffness, damping=damping)
+        fill(
+            self,
+            mass=scalar("mass", mass),
+            stiffness=scalar("stiffness", stiffness),
+            damping=scalar("damping", damping),
+        )
+        positive("mass", self.mass)
+        not_negative("stiffness", self.stiffness)
+        not_negative("damping", self.damping)
 
     def for_line(self, load: Number, normal_force: Number) -> Mount:
         """The share that a metre of rough line has of this mount of a whole body,

@@ -13,12 +13,10 @@ from ..arrays import arrays, xp
 from ..call.several_materials import over_materials
 from ..checks import (
     Array,
+    ascending,
     is_traced,
     nan_unless,
-    not_negative,
     numpy_unless_traced,
-    positive,
-    scalar,
     warn_unless,
 )
 from ..errors import InputError
@@ -123,24 +121,25 @@ def drive(
     body = sliding_body(material, shape)
     if track is not None and (body.per_length or not isinstance(track, RoughLine)):
         raise InputError(
-            "track must be an em.RoughLine under an indenter; under a rough line "
-            "there is no track."
+            argument="track",
+            got=track,
+            accepted="an em.RoughLine under an indenter, left out under a rough line",
         )
     if not isinstance(body.over, (RoughLine, SingleLine)):
         raise InputError(
-            "material must be a half-space under this shape; on a layer em.drive "
-            "takes an em.Cylinder."
+            argument="material",
+            got=material,
+            accepted="a half-space under this shape",
+            hint="on a layer em.drive takes an em.Cylinder",
         )
-    mounts = {
-        "tangential": _mount("tangential", tangential),
-        "normal": _mount("normal", normal),
-    }
+    mounts = {"tangential": tangential, "normal": normal}
+    for name, mount in mounts.items():
+        if not isinstance(mount, Mount | None):
+            accepted = "an em.Mount(mass, stiffness, damping)"
+            raise InputError(argument=name, got=mount, accepted=accepted)
     given = (time, position, load, None, temperature, rtol, elements)
     history = given_history(body, *given, mounts, track)
-    if (np.diff(history.time) <= 0).any():
-        raise InputError(
-            "time must ascend without repeats: bodies with a mass have no jumps."
-        )
+    ascending("time", history.time)  # bodies with a mass have no jumps
     solution, plan = _solve(body.over, history, list(mounts.values()), track)
     inputs = [
         *body.words,
@@ -156,23 +155,6 @@ def drive(
     beyond = sliding_beyond(history, body.over, deep, deep)
     inputs = (*inputs, *history.inputs)
     return _pack(history, solution, mounts["tangential"], body, plan, inputs, beyond)
-
-
-def _mount(name: str, mount: Mount | None) -> Mount | None:
-    if mount is None:
-        return None
-    if not isinstance(mount, Mount):
-        raise InputError(
-            f"{name} must be an em.Mount(mass, stiffness, damping), got {mount!r}."
-        )
-    mass, stiffness, damping = (
-        scalar(f"{name} {k}", getattr(mount, k))
-        for k in ("mass", "stiffness", "damping")
-    )
-    positive(f"{name} mass", mass)
-    not_negative(f"{name} stiffness", stiffness)
-    not_negative(f"{name} damping", damping)
-    return Mount(mass, stiffness, damping)
 
 
 def _in_words(mount: Mount, per_length: bool) -> str:

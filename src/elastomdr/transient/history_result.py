@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
-from ..checks import in_si, is_traced, plain, positive, significant
+from ..checks import in_si, is_traced, one_of, plain, positive, significant
 from ..errors import InputError
 from ..results.axes import Quantity
 from ..results.base import Array, Result, quantity, record, setting
 from ..results.doubts import carried
 from ..results.words import span
+from .problem import numbers_only
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -217,35 +218,39 @@ def _late(
     """Which instants count, and the force at them. Raises `InputError` for a motion of
     which there is no spectrum.
     """
-    if is_traced(motion):
-        raise InputError("spectrum is for numbers: call it outside jit, grad and vmap.")
+    numbers_only({"motion": motion})
     if motion.origins:
         raise InputError(
-            "spectrum is of one material: take that of result.select(name)."
+            argument="motion",
+            accepted="of one material",
+            hint="take the spectrum of result.select(name)",
         )
     names = ("normal_force", "friction_force", "pull")
     known = [name for name in names if hasattr(motion, name)]
-    if force not in known:
-        raise InputError(f"force must be one of {', '.join(known)}, got {force!r}.")
+    one_of("force", force, *known)
     time, values = np.asarray(motion.time), np.asarray(getattr(motion, force))
     since = float(time[0]) if since is None else plain("since", since)
     later = time >= since - 1e-9 * np.ptp(time)
     time, values = time[later], values[later]
     if time.size < 8:
         raise InputError(
-            f"since must leave eight instants or more, got {since:g} s with "
-            f"{time.size} after it."
+            argument="since",
+            got=since,
+            accepted="an instant [s] that leaves eight instants or more",
+            hint=f"it leaves {time.size}",
         )
     step = np.ptp(time) / (time.size - 1)
     if np.abs(np.diff(time) - step).max() > 1e-6 * step:
         raise InputError(
-            "spectrum needs evenly spaced instants: give em.slide or em.drive "
-            "np.linspace(...) as time."
+            argument="time",
+            accepted="evenly spaced in a motion of which there is a spectrum",
+            hint="give em.slide or em.drive np.linspace(...)",
         )
     if not np.isfinite(values).all():
         raise InputError(
-            "spectrum needs a motion of which every instant after `since` has "
-            "converged."
+            argument="since",
+            got=since,
+            accepted="an instant [s] after which all have converged",
         )
     return later, values
 
@@ -258,9 +263,10 @@ def _whole_periods(time: np.ndarray, step: float, period: float) -> tuple[int, i
     count = int((time.size - 1) // each) if each else 0
     if each < 4 or count < 1 or abs(each * step / length - 1) > 1e-6:
         raise InputError(
-            f"period must be four steps of the time ({step:g} s) or more, a whole "
-            "number of them, and fit into what is left after since "
-            f"({np.ptp(time):g} s), got {length:g} s."
+            argument="period",
+            got=length,
+            accepted=f"four steps of the time ({step:g} s) or more, a whole number of "
+            f"them, at most what is left after since ({np.ptp(time):g} s)",
         )
     return each, count
 
@@ -333,8 +339,7 @@ class Slide(_OverSurface):
         """Draws mu `against` "time" or "position"; the rest as of every result,
         `Result.plot`.
         """
-        if against not in ("time", "position"):
-            raise InputError(f"against must be 'time' or 'position', got {against!r}.")
+        one_of("against", against, "time", "position")
         from ..results.plotting import DrawAsk, draw
 
         return self._draw(partial(draw, x=against), DrawAsk(ax, style, title, label))
@@ -400,8 +405,10 @@ class Drive(_OverSurface):
             or np.bincount(number, minlength=count + 1)[1 : count + 1].min() < 2
         ):
             raise InputError(
-                "period must leave two instants or more in each, and be no "
-                f"longer than the motion, got {length:g} s."
+                argument="period",
+                got=length,
+                accepted="no longer than the motion [s], and so long that two instants "
+                "or more are in each",
             )
         xp: Any = np
         if is_traced(self):

@@ -30,7 +30,15 @@ from ..surface.shapes import AbstractShape
 from .impact_motion import Impacts, Striker, impacts
 from .layer_disc import incompressible_enough, of_layer
 from .oblique_impact import Oblique, ObliqueHistory, Slips, check_oblique, solve_oblique
-from .problem import SPRINGS, Bound, bound_on, check_shape, numbers_only, standing
+from .problem import (
+    SPRINGS,
+    TRACED,
+    Bound,
+    bound_on,
+    check_shape,
+    numbers_only,
+    standing,
+)
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
@@ -179,8 +187,20 @@ def impact(
 
     Source: Popov & Hess 2015, ch. 7; Ting 1966 for the rebound.
     """
-    scene_numbers = (mass, velocity, temperature, tangential_velocity, friction)
-    numbers_only("em.impact", material, shape, *scene_numbers, inertia, tangential)
+    numbers_only(
+        {
+            "material": material,
+            "shape": shape,
+            "mass": mass,
+            "velocity": velocity,
+            "temperature": temperature,
+            "tangential_velocity": tangential_velocity,
+            "friction": friction,
+            "inertia": inertia,
+            "tangential": tangential,
+        },
+        TRACED,
+    )
     slips = check_oblique(material, tangential_velocity, friction, inertia, tangential)
     extra = {}
     if slips is not None:
@@ -386,21 +406,23 @@ def _struck(material: Any, shape: AbstractShape, many: bool, oblique: bool) -> _
     """What there is to strike. Raises `InputError`."""
     if many and not material:
         raise InputError(
-            "material must be a material or a list of them, got an empty list."
+            argument="material", got=material, accepted="a material or a list of them"
         )
     check_shape(shape)
     hint_at_metres(shape)
     if isinstance(material, Layer):
         if oblique:
             raise InputError(
-                "tangential_velocity must be left out on an em.layer: only its "
-                "normal impact is known."
+                argument="tangential_velocity",
+                accepted="left out on an em.layer",
+                hint="only its normal impact is known",
             )
         struck, foundation = of_layer(material, shape)
         return _Struck(struck, [foundation], False, FINITE)
     if many and any(isinstance(m, Layer) for m in material):
         raise InputError(
-            "material must be one em.layer, not a list of them, in an impact."
+            argument="material",
+            accepted="one em.layer in an impact, no list with one",
         )
     foundations = [as_foundation(m) for m in (material if many else [material])]
     per_area = standing(foundations, shape)

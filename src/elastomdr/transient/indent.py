@@ -39,7 +39,15 @@ from .age import history_beyond
 from .history_result import AbstractHistory
 from .indentation_route import DepthOrLoad, Indented, indent_under, indent_with_adhesion
 from .layer_disc import LayerDisc, incompressible_enough, of_layer
-from .problem import Bound, at_temperature, bound_on, check_shape, unknown
+from .problem import (
+    Bound,
+    at_temperature,
+    bound_on,
+    check_shape,
+    no_cylinder,
+    numbers_only,
+    unknown,
+)
 from .surface_fields import IndentedElements
 
 if TYPE_CHECKING:
@@ -136,10 +144,7 @@ class Indentation(AbstractHistory):
         return self._surface(r, time, "displacement")
 
     def _surface(self, r: Any, time: ArrayLike, field_name: str) -> np.ndarray:
-        if is_traced(self, r, time):
-            raise InputError(
-                f"{field_name} is for numbers: call it outside jit, grad and vmap."
-            )
+        numbers_only({"r": r, "time": time, "indentation": self})
         r, time = as_float64("r", r), scalar("time", time)
         not_negative("r", r)
         if self.origins:
@@ -147,7 +152,9 @@ class Indentation(AbstractHistory):
                 [one._surface(r, time, field_name) for one in self.each_material()]
             )
         if self.surface is None:
-            raise InputError(f"{field_name} is not computed with adhesion.")
+            raise InputError(
+                argument="adhesion", accepted=f"left out for {field_name}(r, time)"
+            )
         return self.surface.field(
             np.asarray(self.depth), np.asarray(self.force), r, float(time), field_name
         )
@@ -333,8 +340,10 @@ def _check_depth(disc: Disc, course: DepthOrLoad, adhesion: Number | None) -> No
     """
     if isinstance(disc, LayerDisc) and adhesion is not None:
         raise InputError(
-            "adhesion must be left out on an em.layer: it is known for "
-            "half-spaces and springs only."
+            argument="adhesion",
+            got=adhesion,
+            accepted="left out on an em.layer",
+            hint="it is known for half-spaces and springs only",
         )
     if course.depth is None or is_traced(disc, course.depth):
         return
@@ -395,11 +404,7 @@ def contact(material: Materials, shape: AbstractShape) -> tuple[Disc, Foundation
     foundation = as_foundation(material)
     if isinstance(shape, Cylinder):
         if foundation.per_area is False:
-            raise InputError(
-                "material must be a layer under a Cylinder, got a half-space: use "
-                "em.springs(material, thickness). A cylinder on a half-space is no "
-                "MDR problem."
-            )
+            raise no_cylinder(material)
         return Disc(shape, "cylinder"), foundation
     return Disc(shape, "layer" if foundation.per_area else "half-space"), foundation
 
@@ -412,17 +417,21 @@ def _work_of_adhesion(
     if not is_traced(law):
         if law.viscosity > 0:
             raise InputError(
-                "adhesion needs a material without a parallel dashpot: its edge "
-                "could never let go at once."
+                argument="material",
+                accepted="without a parallel dashpot under adhesion",
+                hint="its edge could never let go at once",
             )
         if law.equilibrium == 0:
             raise InputError(
-                "adhesion needs a solid (equilibrium above 0): a liquid has no "
-                "relaxed contact to start from."
+                argument="material",
+                accepted="a solid (equilibrium above 0) under adhesion",
+                hint="a liquid has no relaxed contact to start from",
             )
     if isinstance(shape, PowerLaw) and shape.exponent < 1:
         raise InputError(
-            f"exponent must be 1 or more with adhesion, got {shape.exponent:g}."
+            argument="exponent",
+            got=float(shape.exponent),
+            accepted="1 or more with adhesion",
         )
     return gamma
 
@@ -432,7 +441,7 @@ def _course(
 ) -> DepthOrLoad:
     """Checks a history and brings its parts to one shape. Raises `InputError`."""
     if depth is None and load is None:
-        raise InputError("load or depth must be given, got neither.")
+        raise InputError(argument="load", accepted="given, or depth in its place")
     time, both = _ascending(time), depth is not None and load is not None
     given: dict[str, Any] = {}
     for name, value in (("depth", depth), ("load", load)):
@@ -461,13 +470,14 @@ def _ascending(time: ArrayLike) -> Any:
     finite("time", time)
     if time.ndim == 0 or time.shape[-1] < 2:
         raise InputError(
-            f"time must be a list of two instants or more, got shape {time.shape}."
+            argument="time", got=time, accepted="a list of two instants or more"
         )
     if not is_traced(time) and not (np.diff(time) > 0).all():
         i = np.unravel_index(int(np.argmin(np.diff(time))), np.diff(time).shape)
         raise InputError(
-            f"time must be ascending, got {time[i]:g} followed by "
-            f"{time[(*i[:-1], i[-1] + 1)]:g}."
+            argument="time",
+            got=[float(time[i]), float(time[(*i[:-1], i[-1] + 1)])],
+            accepted="ascending, without repeats",
         )
     return time
 
@@ -485,16 +495,14 @@ def _check_course(name: str, given: Array, signed: bool, both: bool) -> None:
 
 def _where_depth_rules(depth: Any, load: Any) -> np.ndarray:
     """Raises `InputError` unless at each instant one of both is given."""
-    if is_traced(depth, load):
-        raise InputError(
-            "depth and load together must be plain numbers: which of them holds "
-            "at an instant is read from the NaN entries."
-        )
+    why = "which of both holds at an instant is read from the NaN entries"
+    numbers_only({"depth": depth, "load": load}, why)
     by_depth = ~np.isnan(depth)
     if not (by_depth ^ ~np.isnan(load)).all():
         raise InputError(
-            "depth and load: at every instant one of them must be NaN, and the "
-            "other a number."
+            argument="depth",
+            got=depth,
+            accepted="NaN where load is a number, and a number where load is NaN",
         )
     return by_depth
 

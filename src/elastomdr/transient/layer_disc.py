@@ -444,19 +444,24 @@ def of_layer(material: Layer, shape: AbstractShape) -> tuple[LayerDisc, Foundati
     """
     if isinstance(shape, Cylinder):
         raise InputError(
-            "shape must be axisymmetric in a normal contact on an em.layer, got a "
-            "Cylinder: em.rolling and em.friction take it, or em.springs(material, "
-            "thickness) here."
+            argument="shape",
+            got=shape,
+            accepted="axisymmetric in a normal contact on an em.layer",
+            hint="em.rolling and em.friction take a Cylinder, or "
+            "em.springs(material, thickness) here",
         )
     if material.other is not None:
         raise InputError(
-            "material must be one em.layer under an axisymmetric body, got two covers."
+            argument="material",
+            got=material,
+            accepted="one em.layer under an axisymmetric body, without a second cover",
         )
     solid: Any = material.material
     if not isinstance(solid, Prony):
         raise InputError(
-            "material must be a series (em.Prony) for a history in time, got a "
-            "table of moduli."
+            argument="material",
+            got=solid,
+            accepted="a series (em.Prony) for a history in time",
         )
     # incompressible, as far as `incompressible_enough` allows
     if not material.constant:
@@ -493,10 +498,11 @@ def incompressible_enough(
     share = float(np.max((a / float(disc.thickness)) ** 2 * shear / float(bulk)))
     if share > _STIFFER:
         raise InputError(
-            "bulk must be left out, or so large that (a/h)^2 G/K stays below "
-            f"{_STIFFER:g} in a history on a layer; it reaches {share:.2g} here with "
-            f"K = {float(bulk):.4g} Pa. Give a constant Poisson's ratio in its place, "
-            "or "
-            "use em.springs(material, thickness) where the contact is much wider than "
-            "the layer is thick."
+            argument="bulk",
+            got=float(bulk),
+            accepted="left out, or so large that (a/h)^2 G/K stays below "
+            f"{_STIFFER:g} in a history on a layer",
+            hint=f"it reaches {share:.2g} here; give a constant Poisson's ratio in "
+            "its place, or use em.springs(material, thickness) where the contact is "
+            "much wider than the layer is thick",
         )

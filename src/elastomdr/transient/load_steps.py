@@ -20,13 +20,12 @@ import numpy as np
 from ..arrays import compiled, stop_gradient, xp
 from ..checks import Array, is_traced, nan_unless
 from ..element.episode import Modes
-from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1
 from ..surface.disc import Disc
 from .body_motion import MotionHistory
 from .body_over_line import NOTHING, AbstractOverLine
-from .problem import GivenHistory, InTurn, Steps, Timeline, cut, timeline
+from .problem import GivenHistory, InTurn, Steps, Timeline, cut, numbers_only, timeline
 from .refinement import Cut, Levels, solve_levels
 
 if TYPE_CHECKING:
@@ -93,13 +92,9 @@ def march_load(
     """One history, to `rtol` where values are known; else on two fixed levels.
     Differentiable in both modes.
     """
-    if is_traced(ruled.time):
-        raise InputError(
-            argument="time",
-            got=ruled.time,
-            accepted="plain numbers under jax.jit, grad and vmap where the load falls",
-            hint="prescribe the depth in its place",
-        )
+    numbers_only(
+        {"time": ruled.time}, "where a load falls; prescribe the depth instead"
+    )
     traced = is_traced(law, disc, ruled.value)
     widest = _WIDER * stop_gradient(_reach(modes, disc, ruled))
     n = _ELEMENTS * (1 if traced or law.viscosity == 0 else _VISCOUS)

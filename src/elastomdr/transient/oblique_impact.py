@@ -114,15 +114,18 @@ def check_oblique(
         for name, value in given.items():
             if value is not None:
                 raise InputError(
-                    f"{name} belongs to an oblique impact: give tangential_velocity as "
-                    "well."
+                    argument=name,
+                    got=value,
+                    accepted="left out without tangential_velocity",
                 )
         return None
     if friction is None:
-        raise InputError("friction must be given with tangential_velocity.")
+        raise InputError(argument="friction", accepted="given with tangential_velocity")
     if isinstance(material, (list, tuple)):
         raise InputError(
-            "material must be one material in an oblique impact, got a list."
+            argument="material",
+            got=material,
+            accepted="one material in an oblique impact",
         )
     velocity = as_float64("tangential_velocity", velocity)
     friction = as_float64("friction", friction)

@@ -11,6 +11,7 @@ to the square of the step.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -155,8 +156,10 @@ def sliding_body(material: object, shape: Any) -> SlidingBody:
     if isinstance(shape, RoughLine):
         if foundation.per_area:
             raise InputError(
-                "material must be a half-space under a RoughLine, got a layer: give "
-                "the material itself."
+                argument="material",
+                got=material,
+                accepted="a half-space under a RoughLine",
+                hint="give the material itself",
             )
         words = (*rubber, ("shape", describe_line(shape)))
         return SlidingBody(foundation, shape, True, LINE, words)
@@ -228,8 +231,10 @@ def given_history(
     value = as_float64(control, load if depth is None else depth)
     if value.shape not in ((), time.shape):
         raise InputError(
-            f"{control} must be one number, or one for each of {time.size} "
-            f"instants, got {value.shape}."
+            argument=control,
+            got=value,
+            accepted=f"one number, or one for each of {time.size} instants",
+            hint=f"it has the shape {value.shape}",
         )
     if control == "load":
         not_negative("load", value)
@@ -270,11 +275,7 @@ def given_history(
 
 def _path(time: Any, position: Any) -> tuple[np.ndarray, Any]:
     """Instants and places. Raises `InputError` for what no body can follow."""
-    if is_traced(time):
-        raise InputError(
-            "time must be plain numbers under jax.jit, grad and vmap: "
-            "differentiate in position instead."
-        )
+    numbers_only({"time": time}, "differentiate in position instead")
     time, position = as_float64("time", time), as_float64("position", position)
     alike(2, {"time": time, "position": position})
     finite("time", time)
@@ -282,13 +283,17 @@ def _path(time: Any, position: Any) -> tuple[np.ndarray, Any]:
     if (np.diff(time) < 0).any():
         i = int(np.argmin(np.diff(time)))
         raise InputError(
-            f"time must not fall, got {time[i]:g} followed by {time[i + 1]:g} s "
-            f"(entries {i} and {i + 1})."
+            argument="time",
+            got=[float(t) for t in time[i : i + 2]],
+            accepted="ascending [s]; two equal instants are a jump",
+            hint=f"entries {i} and {i + 1}",
         )
     still = np.diff(time) == 0
     if not is_traced(position) and (np.diff(position)[still] != 0).any():
         raise InputError(
-            "position must not jump: it differs where two instants of time are equal."
+            argument="position",
+            got=position,
+            accepted="the same where two instants of time are equal",
         )
     return time, position
 
@@ -298,18 +303,22 @@ def _check_jumps(time: np.ndarray, depth: np.ndarray) -> None:
     sudden = np.append(True, np.diff(time) == 0)
     if ((np.diff(depth, prepend=0.0) > 0) & (depth > 0) & sudden).any():
         raise InputError(
-            "depth must not jump on a material with a viscosity, whose force "
-            "would be infinite."
+            argument="depth",
+            got=depth,
+            accepted="without jumps into a material with a viscosity",
+            hint="its force would be infinite",
         )
 
 
-def numbers_only(verb: str, *given: object) -> None:
+TRACED = "em.indent, em.slide and em.drive have derivatives"
+
+
+def numbers_only(arguments: Mapping[str, object], hint: str = "") -> None:
     """Raises `InputError` where JAX traces one of the arguments."""
-    if is_traced(*given):
-        raise InputError(
-            f"{verb} cannot be called under jax.jit, grad or vmap, which em.indent, "
-            "em.slide and em.drive can."
-        )
+    for name, value in arguments.items():
+        if is_traced(value):
+            accepted = "in plain numbers, outside jax.jit, grad and vmap"
+            raise InputError(argument=name, accepted=accepted, hint=hint)
 
 
 def at_temperature(
@@ -326,8 +335,10 @@ def at_temperature(
     factor, vertical = thermal_factors(foundation, temperature)
     if not is_traced(factor) and not 1e-60 < float(factor) < 1e60:
         raise InputError(
-            "temperature must be near where the shift law was measured, got "
-            f"{float(temperature):g} K, a_T = {factor:.3g}."
+            argument="temperature",
+            got=float(temperature),
+            accepted="near where the shift law was measured [K]",
+            hint=f"a_T = {factor:.3g}",
         )
     law = scaled(law, vertical)
     return (
@@ -355,8 +366,9 @@ def check_shape(shape: object) -> None:
     """Raises `InputError` for what is no indenter."""
     if not isinstance(shape, AbstractShape):
         raise InputError(
-            "shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the "
-            f"like, got {shape!r}."
+            argument="shape",
+            got=shape,
+            accepted="an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like",
         )
 
 
@@ -369,16 +381,23 @@ def standing(foundations: list[Foundation], shape: object) -> bool:
     kinds = {cylinder if f.per_area is None else f.per_area for f in foundations}
     if len(kinds) > 1:
         raise InputError(
-            "material must be a list of half-spaces or a list of layers, got both."
+            argument="material", accepted="a list of half-spaces or a list of layers"
         )
     per_area = kinds.pop()
     if cylinder and not per_area:
-        raise InputError(
-            "material must be a layer under a Cylinder, got a half-space: use "
-            "em.springs(material, thickness, ...). A cylinder on a half-space is no "
-            "MDR problem."
-        )
+        raise no_cylinder(foundations)
     return per_area
+
+
+def no_cylinder(material: object) -> InputError:
+    """What is said of a cylinder on a half-space."""
+    return InputError(
+        argument="material",
+        got=material,
+        accepted="a layer under a Cylinder",
+        hint="use em.springs(material, thickness); a cylinder on a half-space is no "
+        "MDR problem",
+    )
 
 
 def both_laws(material: object, tangential: Any) -> tuple[Foundation, Foundation]:
@@ -389,16 +408,17 @@ def both_laws(material: object, tangential: Any) -> tuple[Foundation, Foundation
     if tangential is None:
         if not isinstance(material, Prony):
             raise InputError(
-                "tangential must be given with a Foundation, which only knows the "
-                "normal direction: em.half_space(material, tangential=True), or an "
-                "em.Foundation of G*."
+                argument="tangential",
+                accepted="given with a Foundation, which knows the normal direction only",
+                hint="em.half_space(material, tangential=True), or an em.Foundation of "
+                "G*",
             )
         return normal, half_space(material, tangential=True)
     if isinstance(tangential, Prony):
         return normal, half_space(tangential, tangential=True)
     if not isinstance(tangential, Foundation):
         raise InputError(
-            f"tangential must be an em.Foundation of G*, got {tangential!r}."
+            argument="tangential", got=tangential, accepted="an em.Foundation of G*"
         )
     return normal, tangential
 

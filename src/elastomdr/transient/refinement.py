@@ -209,13 +209,15 @@ def _refuse_what_takes_too_long(history: GivenHistory, cut: Cut) -> None:
         fraction * float(np.ptp(x)) for x in (history.time, history.position)
     )
     raise InputError(
-        "time and position (a scene's stages) must be those of a shorter motion, got "
-        f"one of {steps:.2g} "
-        f"steps of {cut.elements * cut.strips * across:.2g} elements, which would take "
-        f"{steps * (size + _STEP) / _WORK * _MINUTES:.2g} minutes or more: the first "
+        argument="position",
+        got=history.position,
+        accepted="that of a shorter motion (a scene's stages)",
+        hint=f"it has {steps:.2g} steps of "
+        f"{cut.elements * cut.strips * across:.2g} elements, which would take "
+        f"{steps * (size + _STEP) / _WORK * _MINUTES:.2g} minutes or more; the first "
         f"{significant(lasts, 2)} s of it (if all of it is like that, over "
         f"{significant(goes, 2)} m) can be computed; for steady sliding take "
-        "em.friction(..., model=em.Line())."
+        "em.friction(..., model=em.Line())",
     )
 
 

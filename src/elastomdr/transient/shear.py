@@ -14,6 +14,7 @@ from ..call.several_materials import over_materials
 from ..checks import (
     Array,
     as_float64,
+    ascending,
     finite,
     nan_unless,
     not_negative,
@@ -34,7 +35,15 @@ from ..surface.disc import disc_under
 from ..surface.shapes import AbstractShape, FlatPunch
 from .age import history_beyond
 from .history_result import Shear
-from .problem import MOST_ELEMENTS, both_laws, bound_on, numbers_only, standing, unknown
+from .problem import (
+    MOST_ELEMENTS,
+    TRACED,
+    both_laws,
+    bound_on,
+    numbers_only,
+    standing,
+    unknown,
+)
 from .refinement import beside
 from .shear_motion import Prescribed, Sheared, ShearScene, line, panels, shear_history
 
@@ -116,8 +125,19 @@ def shear(
 
     Source: Cattaneo 1938; Mindlin 1949; Popov & Hess 2015, ch. 5.
     """
-    given_numbers = (time, displacement, friction, load, depth, tangential)
-    numbers_only("em.shear", material, shape, *given_numbers)
+    numbers_only(
+        {
+            "material": material,
+            "shape": shape,
+            "time": time,
+            "displacement": displacement,
+            "friction": friction,
+            "load": load,
+            "depth": depth,
+            "tangential": tangential,
+        },
+        TRACED,
+    )
     laws = both_laws(material, tangential)
     per_area = standing([laws[0]], shape)
     name = only_one({"load": load, "depth": depth})
@@ -228,17 +248,16 @@ def _checked_history(
     finite("displacement", displacement)
     if time.ndim != 1 or time.shape[0] < 2:
         raise InputError(
-            "time must be a list of two instants or more, got an array of shape "
-            f"{time.shape}."
+            argument="time", got=time, accepted="a list of two instants or more"
         )
-    if not (np.diff(time) > 0).all():
-        raise InputError("time must be ascending, without repeats.")
-    if any(x.shape not in ((), (1,), time.shape) for x in (value, displacement)):
-        raise InputError(
-            f"displacement and {name} must be single numbers or as long as time "
-            f"({time.shape[0]}), got shapes {np.shape(displacement)} and "
-            f"{np.shape(value)}."
-        )
+    ascending("time", time)
+    for given, x in ((name, value), ("displacement", displacement)):
+        if x.shape not in ((), (1,), time.shape):
+            raise InputError(
+                argument=given,
+                got=x,
+                accepted=f"a single number or as long as time ({time.shape[0]})",
+            )
     value, displacement = (
         np.broadcast_to(x, time.shape) for x in (value, displacement)
     )
@@ -246,9 +265,10 @@ def _checked_history(
         moved = displacement[0] != 0
         if moved or (name == "depth" and value[0] > 0):
             raise InputError(
-                f"{'displacement' if moved else name} must be 0 at the first instant, "
-                "since a dashpot cannot follow a sudden motion, got "
-                f"{float(displacement[0] if moved else value[0]):g}."
+                argument="displacement" if moved else name,
+                got=float(displacement[0] if moved else value[0]),
+                accepted="0 at the first instant",
+                hint="a dashpot cannot follow a sudden motion",
             )
     return Prescribed(time, value, displacement)
 

@@ -173,10 +173,11 @@ def _steps(history: GivenHistory, spacing: float | None) -> tuple[Timeline, Any]
         way = float(np.abs(np.diff(history.position)).sum())
         if not way <= _STEPS * spacing:
             raise InputError(
-                "position (a scene's stages) must be a way of at most "
-                f"{_STEPS * spacing:.3g} m, which are "
-                f"{_STEPS:g} elements as wide as the contact asks for, got {way:.3g} m: "
-                "for steady sliding take em.friction(..., model=em.Line())."
+                argument="position",
+                got=way,
+                accepted=f"a way of at most {_STEPS * spacing:.3g} m (a scene's stages), "
+                f"which are {_STEPS:g} elements as wide as the contact asks for",
+                hint="for steady sliding take em.friction(..., model=em.Line())",
             )
     even = max(4, -(-history.elements // max(history.time.size - 1, 1)))
     given = (history.time, history.position, history.value)

@@ -74,8 +74,9 @@ class IndentedElements(NamedTuple):
             first, last = history.time[0], history.time[-1]
             if not first <= time <= last:
                 raise InputError(
-                    f"time must be within the history, {first:g} to {last:g} s, "
-                    f"got {time:g}."
+                    argument="time",
+                    got=time,
+                    accepted=f"within the history, {first:g} to {last:g} s",
                 )
             if not np.isfinite(row).all():
                 values.append(np.full(r.shape, np.nan))
