@@ -410,10 +410,17 @@ def a_text(name: str, value: object) -> None:
         raise InputError(argument=name, got=value, accepted="a text")
 
 
-def untraced(sentence: str, *values: Any) -> None:
-    """Raises `InputError`, with a sentence, where JAX traces one of the values."""
+def untraced(error: InputError | str, *values: Any) -> None:
+    """Raises this error where JAX traces one of the values."""
     if is_traced(*values):
-        raise InputError(sentence)
+        raise InputError(error) if isinstance(error, str) else error
+
+
+def numbers_only(arguments: Mapping[str, object], hint: str = "") -> None:
+    """Raises `InputError`, of the first of these arguments that JAX traces."""
+    for name, value in arguments.items():
+        accepted = "in plain numbers, outside jax.jit, grad and vmap"
+        untraced(InputError(argument=name, accepted=accepted, hint=hint), value)
 
 
 def written(module: Any) -> str:

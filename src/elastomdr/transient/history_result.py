@@ -7,13 +7,20 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
-from ..checks import in_si, is_traced, one_of, plain, positive, significant
+from ..checks import (
+    in_si,
+    is_traced,
+    numbers_only,
+    one_of,
+    plain,
+    positive,
+    significant,
+)
 from ..errors import InputError
 from ..results.axes import Quantity
 from ..results.base import Array, Result, quantity, record, setting
 from ..results.doubts import carried
 from ..results.words import span
-from .problem import numbers_only
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,6 +13,7 @@ from ..checks import (
     as_float64,
     broadcast_shape,
     nan_unless,
+    numbers_only,
     numpy_unless_traced,
     positive,
     warn_unless,
@@ -36,7 +37,6 @@ from .problem import (
     Bound,
     bound_on,
     check_shape,
-    numbers_only,
     standing,
 )
 

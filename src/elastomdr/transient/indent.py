@@ -17,6 +17,7 @@ from ..checks import (
     is_traced,
     nan_unless,
     not_negative,
+    numbers_only,
     numpy_unless_traced,
     positive,
     representable,
@@ -45,7 +46,6 @@ from .problem import (
     bound_on,
     check_shape,
     no_cylinder,
-    numbers_only,
     unknown,
 )
 from .surface_fields import IndentedElements

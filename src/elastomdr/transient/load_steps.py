@@ -18,14 +18,14 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 import numpy as np
 
 from ..arrays import compiled, stop_gradient, xp
-from ..checks import Array, is_traced, nan_unless
+from ..checks import Array, is_traced, nan_unless, numbers_only
 from ..element.episode import Modes
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1
 from ..surface.disc import Disc
 from .body_motion import MotionHistory
 from .body_over_line import NOTHING, AbstractOverLine
-from .problem import GivenHistory, InTurn, Steps, Timeline, cut, numbers_only, timeline
+from .problem import GivenHistory, InTurn, Steps, Timeline, cut, timeline
 from .refinement import Cut, Levels, solve_levels
 
 if TYPE_CHECKING:

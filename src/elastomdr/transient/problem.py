@@ -11,7 +11,6 @@ to the square of the step.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -27,6 +26,7 @@ from ..checks import (
     is_traced,
     nan_unless,
     not_negative,
+    numbers_only,
     only_one,
     scalar,
     whole_number,
@@ -311,14 +311,6 @@ def _check_jumps(time: np.ndarray, depth: np.ndarray) -> None:
 
 
 TRACED = "em.indent, em.slide and em.drive have derivatives"
-
-
-def numbers_only(arguments: Mapping[str, object], hint: str = "") -> None:
-    """Raises `InputError` where JAX traces one of the arguments."""
-    for name, value in arguments.items():
-        if is_traced(value):
-            accepted = "in plain numbers, outside jax.jit, grad and vmap"
-            raise InputError(argument=name, accepted=accepted, hint=hint)
 
 
 def at_temperature(

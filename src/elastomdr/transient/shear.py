@@ -18,6 +18,7 @@ from ..checks import (
     finite,
     nan_unless,
     not_negative,
+    numbers_only,
     numpy_unless_traced,
     only_one,
     require,
@@ -40,7 +41,6 @@ from .problem import (
     TRACED,
     both_laws,
     bound_on,
-    numbers_only,
     standing,
     unknown,
 )
