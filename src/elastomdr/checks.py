@@ -140,9 +140,10 @@ def as_float64(name: str, value: Any) -> Array:
             return jax.numpy.asarray(value, dtype=jax.numpy.float64)
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         raise InputError(
-            f"{name} must have no masked entries, got {np.ma.count_masked(value)} of "
-            f"{value.size}: leave them out, or "
-            "put numbers in their place with `.filled(...)`."
+            argument=name,
+            got=value,
+            accepted="without masked entries",
+            hint="leave them out, or put numbers in their place with `.filled(...)`",
         )
     try:
         array = np.asarray(value)
@@ -257,8 +258,10 @@ def ascending(name: str, values: Any) -> None:
         values = np.asarray(values)
         i = int(np.argmin(np.diff(values) > 0))
         raise InputError(
-            f"{name} must be ascending, without repeats, got {values[i]:g} followed "
-            f"by {values[i + 1]:g} (entries {i} and {i + 1})."
+            argument=name,
+            got=values,
+            accepted="ascending, without repeats",
+            hint=f"entry {i} is {values[i]:g}, entry {i + 1} is {values[i + 1]:g}",
         )
 
 
@@ -291,13 +294,18 @@ def alike(least: int, lists: Mapping[str, Any]) -> None:
     """Raises `InputError` unless these, by name, are lists of one length, with `least`
     entries or more.
     """
-    first, *others = (np.shape(values) for values in lists.values())
-    if len(first) != 1 or first[0] < least or any(other != first for other in others):
-        *names, last = lists
-        *shapes, end = (str(np.shape(values)) for values in lists.values())
+    first, *others = lists
+    shape = np.shape(lists[first])
+    wrong = [name for name in others if np.shape(lists[name]) != shape]
+    if len(shape) != 1 or shape[0] < least:
+        wrong = [first]
+    for name in wrong:
+        beside = " and ".join(each for each in lists if each != name)
         raise InputError(
-            f"{', '.join(names)} and {last} must be lists of the same length with "
-            f"{least} entries at least, got shapes {', '.join(shapes)} and {end}."
+            argument=name,
+            got=lists[name],
+            accepted=f"a list of {least} entries or more, as long as {beside}",
+            hint=_shapes(lists),
         )
 
 
@@ -305,22 +313,32 @@ def broadcast_shape(arrays: Mapping[str, Any]) -> tuple[int, ...]:
     """The shape to which arguments broadcast, those that are not None; raises
     `InputError` with the shape of each.
     """
-    shapes = {
-        name: np.shape(array) for name, array in arrays.items() if array is not None
-    }
-    *names, last = shapes
-    listed = f"{', '.join(names)} and {last}" if names else last
-    try:
-        shape = np.broadcast_shapes(*shapes.values())
-    except ValueError as error:
-        words = ", ".join(
-            f"{name} of shape {shape}" if shape else f"{name} a number"
-            for name, shape in shapes.items()
-        )
-        raise InputError(f"{listed} must broadcast, got {words}.") from error
-    if 0 in shape:
-        raise InputError(f"{listed} must not be empty, got shape {shape}.")
+    given = {name: array for name, array in arrays.items() if array is not None}
+    shape: tuple[int, ...] = ()
+    for name, array in given.items():
+        try:
+            shape = np.broadcast_shapes(shape, np.shape(array))
+        except ValueError as error:
+            raise InputError(
+                argument=name,
+                got=array,
+                accepted=f"of a shape that broadcasts with {shape}",
+                hint=_shapes(given),
+            ) from error
+        if 0 in shape:
+            raise InputError(
+                argument=name, got=array, accepted="a number, or one or more in a list"
+            )
     return shape
+
+
+def _shapes(arrays: Mapping[str, Any]) -> str:
+    """The shapes of arguments, in words."""
+    shapes = {name: np.shape(array) for name, array in arrays.items()}
+    return ", ".join(
+        f"{name} has the shape {shape}" if shape else f"{name} is a number"
+        for name, shape in shapes.items()
+    )
 
 
 def broadcast(arrays: Mapping[str, Any]) -> dict[str, Any]:
@@ -341,16 +359,16 @@ def only_one(arguments: Mapping[str, object]) -> str:
     given = [name for name, value in arguments.items() if value is not None]
     if len(given) == 1:
         return given[0]
-    *names, last = arguments
-    got = " and ".join(
-        f"{name}={arguments[name]}"
-        if isinstance(arguments[name], float | int)
-        else name
-        for name in given
-    )
-    either = " or ".join(filter(None, (", ".join(names), last)))
+    if not given:
+        first, *others = arguments
+        raise InputError(
+            argument=first, got=None, accepted=f"given, or {' or '.join(others)}"
+        )
+    first, *_, last = given
     raise InputError(
-        f"{either} must be given, and only one of them, got {got or 'neither'}."
+        argument=last,
+        got=arguments[last],
+        accepted=f"left out where {first} is given",
     )
 
 
@@ -358,9 +376,7 @@ def scalar(name: str, value: Any) -> Array:
     """A float64 scalar from `value`; raises `InputError` for anything with a shape."""
     array = as_float64(name, value)
     if array.shape != ():
-        raise InputError(
-            f"{name} must be a single number, got an array of shape {array.shape}."
-        )
+        raise InputError(argument=name, got=value, accepted="a single number")
     return array
 
 
@@ -369,8 +385,11 @@ def plain(name: str, value: Any) -> float:
     a value that JAX traces.
     """
     untraced(
-        f"{name} must be a plain number: it is not differentiable, nor seen by jit and "
-        "vmap.",
+        InputError(
+            argument=name,
+            accepted="a plain number",
+            hint="it is not differentiable, nor seen by jit and vmap",
+        ),
         value,
     )
     return float(scalar(name, value))
@@ -410,10 +429,10 @@ def a_text(name: str, value: object) -> None:
         raise InputError(argument=name, got=value, accepted="a text")
 
 
-def untraced(error: InputError | str, *values: Any) -> None:
+def untraced(error: InputError, *values: Any) -> None:
     """Raises this error where JAX traces one of the values."""
     if is_traced(*values):
-        raise InputError(error) if isinstance(error, str) else error
+        raise error
 
 
 def numbers_only(arguments: Mapping[str, object], hint: str = "") -> None:

@@ -68,7 +68,7 @@ class InputError(ValueError):
         rest = self.rest
         if not rest:
             hint = self.hint
-            ends = f". {hint}" if hint.endswith(("?", ".")) else f": {hint}."
+            ends = f". {hint.strip()}" if hint.endswith(("?", ".")) else f": {hint}."
             got = f", got {shown(self.got)}" if self.tells_got else ""
             rest = f" must be {self.accepted}{got}{ends if hint else '.'}"
         between = "" if rest.startswith((" ", ":")) else " "
@@ -114,11 +114,17 @@ class InputError(ValueError):
 
 _BRIEF = reprlib.Repr()
 _BRIEF.maxstring = _BRIEF.maxother = 120
+_MOST = 6  # entries that are shown
 
 
 def _written(value: object) -> str:
+    shape = getattr(value, "shape", None)
     if isinstance(value, float):
         return f"{value:g}"
+    if isinstance(shape, tuple) and hasattr(value, "dtype"):
+        if sum(shape) > _MOST or len(shape) > 1:
+            return f"an array of the shape {shape}"
+        value = getattr(value, "tolist", lambda: value)()
     value = str(value) if isinstance(value, os.PathLike) else value
     return " ".join(_BRIEF.repr(value).split())
 

@@ -6,7 +6,6 @@ import codecs
 import errno
 import os
 import re
-import reprlib
 import stat
 import tempfile
 import tomllib
@@ -34,9 +33,7 @@ _DEEP_KEY = re.compile(rf"(?<![\w\"'-]){_PART}(?:\.[ \t]*+{_PART}){{{_DEEPEST}}}
 def as_path(path: Any, name: str = "path") -> Path:
     """A path from its name; raises `InputError` for what is none."""
     if not isinstance(path, (str, os.PathLike)):
-        raise InputError(
-            f"{name} must be the name of a file, got {reprlib.repr(path)}."
-        )
+        raise InputError(argument=name, got=path, accepted="the name of a file")
     return Path(path)
 
 
@@ -122,7 +119,10 @@ def write_files(files: Mapping[Path, bytes]) -> None:
             error.strerror if isinstance(error, OSError) and error.strerror else error
         )
         raise InputError(
-            f"path must be a file that can be written, got {str(target)!r}: {reason}."
+            argument="path",
+            got=str(target),
+            accepted="a file that can be written",
+            hint=str(reason),
         ) from error
     finally:
         for temporary in prepared.values():

@@ -121,7 +121,7 @@ def as_model(
         f"em.{kind.__name__}() or {name!r}" for name, kind in kinds.items()
     )
     hint = closest(model, kinds) if isinstance(model, str) else ""
-    raise InputError(f"model must be {listed}; got {model!r}.{hint}")
+    raise InputError(argument="model", got=model, accepted=listed, hint=hint)
 
 
 def seeds_of(seeds: int | Sequence[int]) -> tuple[int, ...]:
@@ -143,8 +143,10 @@ def seeds_of(seeds: int | Sequence[int]) -> tuple[int, ...]:
     whole = all(is_whole(seed) and seed >= 0 for seed in each)
     if not each or not whole or len(set(each)) != len(each) or len(each) > _MOST_LINES:
         raise InputError(
-            f"seeds must be a whole number from 1 to {_MOST_LINES}, or the seeds "
-            f"themselves, different whole numbers from 0 on, got {seeds!r}."
+            argument="seeds",
+            got=seeds,
+            accepted=f"a whole number from 1 to {_MOST_LINES}, or the seeds "
+            "themselves, different whole numbers from 0 on",
         )
     return tuple(int(s) for s in each)
 
@@ -152,4 +154,4 @@ def seeds_of(seeds: int | Sequence[int]) -> tuple[int, ...]:
 def flag(name: str, value: object) -> None:
     """Raises `InputError` unless a value is True or False."""
     if not isinstance(value, bool):
-        raise InputError(f"{name} must be True or False, got {value!r}.")
+        raise InputError(argument=name, got=value, accepted="True or False")

@@ -112,7 +112,7 @@ def progress(doing: str = "computing") -> Iterator[None]:
             curve = em.friction(rubber, road, ...)
     """
     if not isinstance(doing, str):
-        raise InputError(f"doing must be a text, got {doing!r:.80}.")
+        raise InputError(argument="doing", got=doing, accepted="a text")
     if _bar.get() is not None or not (sys.stderr.isatty() or _in_notebook()):
         yield
         return
@@ -166,8 +166,9 @@ def reporter(
     """
     if also is not None and not callable(also):
         raise InputError(
-            "progress must be a function of the points done and of all of them, got "
-            f"{also!r}."
+            argument="progress",
+            got=also,
+            accepted="a function of the points done and of all of them",
         )
 
     def report(done: int, total: int) -> None:

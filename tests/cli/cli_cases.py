@@ -259,7 +259,7 @@ BAD_INDENTS = {
     "a depth that is a force": (('"0.1 mm"', '"1 N"'), "must be a length"),
     "lists of different length": (
         (_TRIANGLE, 'time = ["0 s", "1 s"]\ndepth = ["0 mm", "1 mm", "0 mm"]'),
-        "same length",
+        "as long as",
     ),
     "descending times": (
         (_TRIANGLE, 'time = ["1 s", "0 s"]\ndepth = ["0 mm", "1 mm"]'),

@@ -80,7 +80,7 @@ def test_errors_of_measured_friction():
     assert max(relative, given) < default
     for error, said in (
         ("some", "error must be numbers"),
-        (np.ones(5), "velocity, temperature, mu and error must broadcast"),
+        (np.ones(5), "error must be of a shape that broadcasts"),
         (-1.0, "positive"),
     ):
         with pytest.raises(InputError, match=said):
@@ -98,7 +98,10 @@ def test_flat_friction_has_no_shift():
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ((VELOCITY, KELVIN, measured()), "must broadcast"),
+        (
+            (VELOCITY, KELVIN, measured()),
+            "temperature must be of a shape that broadcasts",
+        ),
         ((-VELOCITY, KELVIN[:, None], measured()), "velocity must be positive"),
         ((VELOCITY, 293.15, measured()[0]), "two values at least"),
         (

@@ -141,7 +141,7 @@ def test_unknown_names_and_paths(file):
             "[1e6, -2e6]",
             ["moduli must be zero or positive and finite, got -2e+06"],
         ),
-        ("[1e-3, 1.0]", "[1.0]", ["same length"]),
+        ("[1e-3, 1.0]", "[1.0]", ["as long as"]),
         ("poisson = 0.5", "poisson = 0.6", ["poisson must be", "0.6"]),
         ("poisson = 0.5", "poisson = 0.5\nbulk = 2e9", ["exclude each other"]),
         ("c1 = 5.0", "c1 = -5.0", ["c1 must be positive"]),

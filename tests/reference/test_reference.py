@@ -81,7 +81,7 @@ def test_full_contact_is_a_sum_over_waves():
         ({"material": springs}, "RoughLine on a material"),
         ({"load": 0.0}, "load must be positive"),
         ({"temperature": 300.0}, "no shift law"),
-        ({"load": [1.0, 2.0]}, "must broadcast"),
+        ({"load": [1.0, 2.0]}, "must be of a shape that broadcasts"),
     ):
         given = {"material": rubber, "line": line, "velocity": v, "load": 1.0} | change
         with pytest.raises(em.InputError, match=words):
@@ -415,7 +415,7 @@ def test_what_is_not_resolved_is_flagged(monkeypatch):
         ),
         (
             lambda: half_space_sliding(STIFF, BALL, velocity=1.0),
-            ("", "neither"),
+            ("load", "depth"),
         ),
         (
             lambda: half_space_sliding(STIFF, BALL, velocity=1.0, load=1.0, points=33),

@@ -551,7 +551,7 @@ def test_tabulated_moduli_go_straight_in():
         ({"pressure": -1.0}, "pressure must be positive"),
         ({"temperature": 300.0}, "no shift law"),
         ({"rtol": 0.0}, "rtol"),
-        ({"load": 1.0}, "only one of them"),
+        ({"load": 1.0}, "load must be left out"),
         ({"model": em.Averaged()}, "em.Line"),
         ({"model": "multiscal"}, "multiscale"),
         ({"velocity": np.ones(3), "pressure": np.full(2, 1e5)}, "broadcast"),

@@ -193,7 +193,7 @@ def test_gradients():
 BAD = {
     "time or velocity": {"time": 1.0, "velocity": 1.0},
     "pressure must be positive": {"pressure": -1.0},
-    "pressure and time must broadcast": {
+    "time must be of a shape that broadcasts": {
         "pressure": [1.0, 2.0],
         "time": [1.0, 2.0, 3.0],
     },

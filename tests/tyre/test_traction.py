@@ -565,8 +565,8 @@ class TestSlip:
     @pytest.mark.parametrize(
         ("changes", "message"),
         [
-            ({"slip": 0.1}, ("", "only")),
-            ({"creepage": None}, ("", "neither")),
+            ({"slip": 0.1}, ("slip", "left out")),
+            ({"creepage": None}, ("creepage", "slip")),
             ({"creepage": None, "slip": 1.0}, ("slip", 1)),
             ({"creepage": None, "slip": np.nan}, ("slip", "finite")),
             (

@@ -18,7 +18,7 @@ CASES = {
     "negative times": (lambda: em.Prony(1.0, [1.0], [-1.0]), "times must be positive"),
     "masked moduli": (
         lambda: em.Prony(1.0, np.ma.masked_invalid([1.0, np.nan]), [1.0, 2.0]),
-        "moduli must have no masked entries, got 1 of 2",
+        "moduli must be without masked entries",
     ),
     "reference in Celsius": (
         lambda: em.WLF(8.86, 101.6, 20.0),
@@ -36,7 +36,10 @@ CASES = {
         lambda: em.Foundation(1.0, [-1.0], [1.0]),
         "moduli must be zero or positive",
     ),
-    "lengths": (lambda: em.Prony(1.0, [1.0], [1.0, 2.0]), "same length"),
+    "lengths": (
+        lambda: em.Prony(1.0, [1.0], [1.0, 2.0]),
+        "times must be a list of .* as long as moduli",
+    ),
     "nothing carries": (lambda: em.Prony(0.0, [], []), "all zero"),
     "text": (lambda: em.Prony("soft", [1.0], [1.0]), "equilibrium must be a number"),
     "poisson": (
@@ -56,7 +59,7 @@ CASES = {
     "name": (lambda: em.Prony(1.0, [], [], name=3), "name must be a text, got 3"),
     "traced exponent": (
         lambda: jax.grad(lambda n: em.PowerLaw(n, 1.0).profile_1d(1.0))(1.5),
-        "exponent must be a plain number: it is not differentiable",
+        "exponent must be a plain number",
     ),
     "profile curve": (
         lambda: em.Profile([0, 1, 2, 3], [0, 1, 4, 9], curve="linear"),
@@ -89,7 +92,7 @@ CASES = {
         lambda: em.friction(
             em.StandardSolid(1e6, 1e6, 1e-3), em.Sphere(5e-3), velocity=[], load=1.0
         ),
-        "must not be empty",
+        "velocity must be a number, or one or more",
     ),
     "time before the step": (
         lambda: em.StandardSolid(1e6, 1e6, 1e-3).relaxation([-1.0]),
@@ -133,11 +136,11 @@ CASES = {
     ),
     "both": (
         lambda: em.friction(SOLID, SPHERE, velocity=1.0, load=1.0, depth=1e-4),
-        "load or depth",
+        "depth must be left out where load is given",
     ),
     "neither": (
         lambda: em.friction(SOLID, SPHERE, velocity=1.0),
-        "load or depth.*neither",
+        "load must be given, or depth",
     ),
     "zero velocity": (
         lambda: em.friction(SOLID, SPHERE, velocity=0.0, load=1.0),
@@ -173,7 +176,7 @@ CASES = {
     ),
     "broadcast": (
         lambda: em.friction(SOLID, SPHERE, velocity=[1.0, 2.0], load=[1.0, 2.0, 3.0]),
-        "must broadcast",
+        "load must be of a shape that broadcasts",
     ),
     "model": (
         lambda: em.friction(SOLID, SPHERE, velocity=1.0, load=1.0, model="lines"),
@@ -297,10 +300,9 @@ def test_numbers_beyond_what_can_be_computed_are_refused_in_every_verb(name):
 def test_masked_entries_are_refused_in_every_verb(name):
     values = np.ma.masked_greater(np.array([1.0, 1.0, 1.0, 9.0]), 5.0)
     for call in EVERYWHERE[name]:
-        with pytest.raises(
-            em.InputError, match=f"{name} must have no masked entries, got 1 of 4"
-        ):
+        with refused(name, "masked") as caught:
             call(values)
+        assert np.ma.count_masked(caught.value.got) == 1
 
 
 def test_a_history_that_would_need_billions_of_elements_is_refused():

@@ -230,7 +230,12 @@ def _even(
             f"pixel_size must be given with {source_words}: the distance of neighbouring "
             "points [m], got None."
         )
-    untraced("pixel_size must be plain numbers: a scan is read as numbers.", pixel_size)
+    untraced(
+        InputError(
+            argument="pixel_size", accepted="plain numbers: a scan is read as numbers"
+        ),
+        pixel_size,
+    )
     sizes = np.atleast_1d(as_float64("pixel_size", pixel_size)).tolist()
     positive("pixel_size", sizes)
     if len(sizes) not in (1, height.ndim) or np.ndim(sizes) > 1:

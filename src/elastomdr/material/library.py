@@ -158,7 +158,10 @@ def save_material(
             f"material must be a Prony or a TabulatedModulus, got {brief(material)}."
         )
     untraced(
-        "material must hold concrete numbers to be saved, got values that JAX traces.",
+        InputError(
+            argument="material",
+            accepted="saved outside jit, grad and vmap, with plain numbers",
+        ),
         material,
     )
     if info is not None and not isinstance(info, Mapping):

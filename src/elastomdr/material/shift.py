@@ -322,8 +322,11 @@ class VerticalTable(AbstractVertical):
         factor = as_float64("factor", factor)
         alike(2, {"temperature": temperature, "factor": factor})
         untraced(
-            "temperature must be plain numbers: a table is differentiated in its "
-            "factors only.",
+            InputError(
+                argument="temperature",
+                accepted="plain numbers",
+                hint="a table is differentiated in its factors only",
+            ),
             temperature,
         )
         in_kelvin("temperature", temperature)

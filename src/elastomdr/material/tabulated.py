@@ -422,7 +422,10 @@ def to_chain(table: AbstractTable) -> tuple[KelvinChain, float]:
     with respect to the table.
     """
     untraced(
-        "material must be an em.Prony to be differentiated here, got a traced table.",
+        InputError(
+            argument="material",
+            accepted="a series, em.Prony, under jit, grad and vmap, not a table",
+        ),
         table,
     )
     from scipy.optimize import nnls

@@ -272,8 +272,10 @@ class Result:
         `InputError` while JAX traces them.
         """
         untraced(
-            f"{type(self).__name__} has no numbers while JAX traces it. Make tables "
-            "outside jit, grad and vmap.",
+            InputError(
+                argument=type(self).__name__,
+                accepted="made into tables outside jit, grad and vmap",
+            ),
             self,
         )
         return {

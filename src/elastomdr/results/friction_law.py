@@ -446,8 +446,10 @@ def _between(
 
 def _untraced(law: FrictionLaw) -> None:
     untraced(
-        "FrictionLaw has no numbers while JAX traces it. Write files outside jit, grad "
-        "and vmap.",
+        InputError(
+            argument="FrictionLaw",
+            accepted="written outside jit, grad and vmap, with plain numbers",
+        ),
         law,
     )
 

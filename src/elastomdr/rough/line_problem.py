@@ -82,9 +82,12 @@ def set_up(call: RoughCall, model: Line) -> RoughScene:
         foundation, surface, call.rtol, asked, "pressure", "load", "depth"
     )
     untraced(
-        f"model must be em.Multiscale() or em.Persson() under jax.grad, jit and vmap, "
-        f"and a surface under a pressure, got {model!r}: rough lines have no "
-        "derivatives.",
+        InputError(
+            argument="model",
+            accepted="em.Multiscale() or em.Persson(), of a surface under a pressure, under jit, "
+            "grad and vmap",
+            hint="rough lines have no derivatives",
+        ),
         surface,
         points,
         model.equivalent_length,

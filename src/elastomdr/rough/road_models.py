@@ -223,7 +223,10 @@ class HalfSpace(SurfaceModel):
         from . import on_maps
 
         untraced(
-            "model must be em.Multiscale() or em.Persson() under jit, grad and vmap.",
+            InputError(
+                argument="model",
+                accepted="em.Multiscale() or em.Persson() under jit, grad and vmap",
+            ),
             problem,
         )
         seeds, measured = seeds_of(self.seeds), self.on_map(problem.surface)

@@ -36,6 +36,7 @@ from ..arrays import Array, one_thread
 from ..checks import (
     untraced,
 )
+from ..errors import InputError
 from ..rough.half_space import area_of, solve, waves
 from ..rough.random_maps import MapGrid, grid_of
 from ..surface.lay import lay_of
@@ -308,7 +309,9 @@ class MappedChannels(Channels):
         """
         surface, softening, direction = rough
         untraced(
-            "model must be em.Multiscale() under jit, grad and vmap.",
+            InputError(
+                argument="model", accepted="em.Multiscale() under jit, grad and vmap"
+            ),
             rough,
             relative_pressure,
         )

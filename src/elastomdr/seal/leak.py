@@ -471,8 +471,11 @@ def leak(
 def _angle(direction: float) -> float:
     """The direction of the flow [rad]. Raises `InputError`."""
     untraced(
-        "direction must be a plain number under jax.jit, grad and vmap: bounds alone "
-        "depend on it.",
+        InputError(
+            argument="direction",
+            accepted="a plain number under jit, grad and vmap",
+            hint="bounds alone depend on it",
+        ),
         direction,
     )
     angle: Any = scalar("direction", direction)
@@ -505,8 +508,11 @@ def _seal(
             raise InputError("length must be given with pressure [m], got None.")
         return _Seal(pressure, length, pressure)
     untraced(
-        "pressure must be given under jax.jit, grad and vmap, in place of profile "
-        "or o_ring, whose flow is searched with concrete numbers.",
+        InputError(
+            argument="pressure",
+            accepted="given under jit, grad and vmap, in place of profile or o_ring",
+            hint="their flow is searched with concrete numbers",
+        ),
         profile,
         ring,
         length,
@@ -578,8 +584,11 @@ def _along(
     soft, drop, (expands, path) = pressed.soft, pressed.drop, pressed.fluid
     arrays = (soft, drop, expands, path, seal.length, seal.peak)
     untraced(
-        "pressure must be given under jax.jit, grad and vmap, in place of profile "
-        "or o_ring, whose flow is searched with concrete numbers.",
+        InputError(
+            argument="pressure",
+            accepted="given under jit, grad and vmap, in place of profile or o_ring",
+            hint="their flow is searched with concrete numbers",
+        ),
         pressed.rough,
         *arrays,
     )

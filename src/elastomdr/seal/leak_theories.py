@@ -54,7 +54,9 @@ class LeakTheory(Model, Channels):
     def flow(self, rough: RoughSeal, relative_pressure: Array) -> GapFlow:
         surface, softened = rough.surface, rough.softened()
         untraced(
-            "model must be em.Multiscale() under jit, grad and vmap.",
+            InputError(
+                argument="model", accepted="em.Multiscale() under jit, grad and vmap"
+            ),
             rough,
             relative_pressure,
         )

@@ -303,8 +303,11 @@ def lubricated(
     """
     given = (material, shape, velocity, load, viscosity, temperature, time, surface)
     untraced(
-        "em.lubricated cannot be called under jax.jit, grad or vmap: it "
-        "searches with concrete numbers.",
+        InputError(
+            argument="material",
+            accepted="called outside jit, grad and vmap, as all of em.lubricated",
+            hint="it searches with concrete numbers",
+        ),
         *given,
         boundary_shear,
     )

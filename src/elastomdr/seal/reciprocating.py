@@ -216,8 +216,11 @@ def _refuse_traced(
     """Raises `InputError` for what JAX traces."""
     of_ring = (ring.width, ring.line_load) if isinstance(ring, ORing) else ()
     untraced(
-        "em.reciprocating cannot be called under jax.jit, grad or vmap: it "
-        "searches with concrete numbers.",
+        InputError(
+            argument="material",
+            accepted="called outside jit, grad and vmap, as all of em.reciprocating",
+            hint="it searches with concrete numbers",
+        ),
         material,
         profile,
         of_ring,

@@ -615,8 +615,10 @@ def _separable(body: Body, given: tuple[Any, ...]) -> Any:
     `InputError`.
     """
     untraced(
-        "material must not be traced: the losses of a layer by branch are known for "
-        "numbers only.",
+        InputError(
+            argument="material",
+            accepted="called outside jit, grad and vmap for the losses of a layer by branch",
+        ),
         body,
         given,
     )

@@ -174,7 +174,12 @@ def _check_points(r: Array, z: Array) -> None:
     """
     alike(4, {"r": r, "z": z})
     untraced(
-        "r must be plain numbers: a Profile is differentiable in its heights z only.", r
+        InputError(
+            argument="r",
+            accepted="plain numbers",
+            hint="a Profile has derivatives by its heights z only",
+        ),
+        r,
     )
     not_negative("r", r)
     ascending("r", r)

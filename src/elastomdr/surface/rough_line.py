@@ -51,7 +51,12 @@ class RoughLine(Tree):
         x, height = as_float64("x", x), as_float64("height", height)
         alike(4, {"x": x, "height": height})
         untraced(
-            "x must be plain numbers: a RoughLine is differentiable in its heights.", x
+            InputError(
+                argument="x",
+                accepted="plain numbers",
+                hint="a RoughLine has derivatives by its heights",
+            ),
+            x,
         )
         finite("x", x)
         finite("height", height)

@@ -170,9 +170,11 @@ class AbstractSpectrum(Tree):
         """
         end: Any = as_number(scalar("q_high", q_high))
         untraced(
-            "q_high: which points of a table are kept needs concrete numbers, got "
-            "values that JAX traces; of em.SelfAffine(..., q_high=) friction has a "
-            "derivative.",
+            InputError(
+                argument="q_high",
+                accepted="plain numbers, which say what points of a table are kept",
+                hint="of em.SelfAffine(..., q_high=) friction has a derivative",
+            ),
             self,
             end,
         )
@@ -367,8 +369,10 @@ class Spectrum(AbstractSpectrum):
         q, c = np.asarray(as_float64("q", q)), as_float64("c", c)
         if not convention.startswith("2d"):
             untraced(
-                "c must be a plain list under JAX's transformations for "
-                f"convention={convention!r}.",
+                InputError(
+                    argument="c",
+                    accepted=f"plain numbers under jit, grad and vmap, for {convention=!r}",
+                ),
                 c,
             )
         if c.ndim == 2:
@@ -482,8 +486,11 @@ def as_spectrum(name: str, value: object) -> AbstractSpectrum:
 def line_count(spectrum: AbstractSpectrum, periods: int, per_wave: float) -> int:
     """Samples of a line, a power of two. Raises `InputError` beyond `MOST`."""
     untraced(
-        "samples must be given where JAX traces the cutoffs of a surface: how many a "
-        "line needs depends on them.",
+        InputError(
+            argument="samples",
+            accepted="given where JAX traces the cutoffs of a surface",
+            hint="how many samples a line needs depends on them",
+        ),
         spectrum.q,
     )
     needed = periods * per_wave * spectrum.q_high / spectrum.q_low

@@ -205,8 +205,8 @@ def grid(call: object, axes: object, fixed: dict[str, object]) -> Grid:
 
 def _checked_values(name: str, values: Sequence[object] | np.ndarray) -> list[Any]:
     """The values of an axis. Raises `InputError`."""
-    traced = f"axes[{name!r}] must not be traced: a sweep writes numbers to a store."
-    untraced(traced, values)
+    axis, accepted = f"axes[{name!r}]", "plain numbers, which a sweep can store"
+    untraced(InputError(argument=axis, accepted=accepted), values)
     listed = np.asarray(values).tolist() if hasattr(values, "__array__") else values
     is_list = (
         not isinstance(listed, (str, bytes, Mapping))
@@ -221,7 +221,7 @@ def _checked_values(name: str, values: Sequence[object] | np.ndarray) -> list[An
             f"axes[{name!r}] must be a list or an array with one dimension, "
             f"got {values!r}."
         )
-    untraced(traced, *listed)
+    untraced(InputError(argument=axis, accepted=accepted), *listed)
     return list(listed)
 
 

@@ -649,8 +649,10 @@ def _checked_layer(
             "shear stiffness."
         )
     untraced(
-        "material must be em.springs or a half-space under jit, grad and vmap, not an "
-        "em.layer.",
+        InputError(
+            argument="material",
+            accepted="em.springs or a half-space under jit, grad and vmap, not an em.layer",
+        ),
         layer,
         *scene[:-2],
     )
