@@ -272,7 +272,7 @@ def test_temperature_is_a_change_of_times():
         ({"mass": 0.0}, ("mass", 0)),
         ({"velocity": -1.0}, ("velocity", -1)),
         ({"mass": [1.0, 2.0], "velocity": [1.0, 2.0, 3.0]}, ("", "broadcast")),
-        ({"velocity": []}, ("", "empty")),
+        ({"velocity": []}, ("velocity", "[]")),
         ({"temperature": 300.0}, ("", "shift law")),
         ({"rtol": 1.0}, ("rtol", 1)),
     ],
