@@ -107,8 +107,8 @@ def steady_scene(
 
     The points are traced if `foundation` or `body`, on which they are solved, are.
     """
-    given = {name: getattr(asked, name) for name in one_of or ("load", "depth")}
-    name = only_one(given)
+    given = {"load": asked.load, "depth": asked.depth, "pressure": asked.pressure}
+    name = only_one({key: given[key] for key in one_of or ("load", "depth")})
     velocity = as_float64("velocity", asked.velocity)
     value = as_float64(name, given[name])
     temperature, direction = asked.temperature, asked.direction
