@@ -35,6 +35,7 @@ GROUPS = {
     "Models": ("Averaged", "Line", "Multiscale", "Persson", "HalfSpace"),
     "Motion in time": (
         "indent",
+        "Adhesion",
         "impact",
         "shear",
         "traction",

@@ -67,6 +67,7 @@ _HOMES = {
     "seal.leak_theories": ("CriticalConstriction", "EffectiveMedium"),
     "seal.reciprocating": ("Reciprocating", "reciprocating"),
     "transient.indent": ("Indentation", "indent"),
+    "transient.adhesive_contact": ("Adhesion",),
     "transient.impact": ("Impact", "impact"),
     "transient.shear": ("shear",),
     "tyre.traction": ("traction",),

@@ -86,6 +86,7 @@ from .surface.shapes import Sphere as Sphere
 from .surface.spectrum import SelfAffine as SelfAffine
 from .surface.spectrum import Spectrum as Spectrum
 from .sweeps.run import sweep as sweep
+from .transient.adhesive_contact import Adhesion as Adhesion
 from .transient.body_motion import Mount as Mount
 from .transient.drive import drive as drive
 from .transient.history_result import Drive as Drive

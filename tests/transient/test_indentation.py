@@ -441,7 +441,7 @@ def test_the_energy_of_a_sticky_contact(shape, per_area):
             edge = sticky.depth(a)
             along_a, along_d = jax.grad(sticky.potential, (0, 1))(a, edge)
             np.testing.assert_allclose(along_d, sticky.force(a, edge), rtol=1e-9)
-            work = 2 * np.pi * a * sticky.gamma
+            work = 2 * np.pi * a * sticky.work
             np.testing.assert_allclose(along_a, 0.0, atol=1e-9 * work)
 
 

@@ -155,32 +155,6 @@ def kendall(rng):
     return [(found.force[1:], 2 * a * modulus * depth[1:])]
 
 
-def pull_off(rng):
-    """A relaxed contact pulled fast: JKR with gamma E_0/E_inf, or at its radius of rest
-    if that is less.
-    """
-    modulus, radius, ratio = (
-        spread(rng, 1e5, 1e9),
-        spread(rng, 1e-3, 1),
-        spread(rng, 2, 100),
-    )
-    gamma = modulus * radius * spread(rng, 1e-9, 1e-6)
-    least = np.cbrt(9 * np.pi * gamma * ratio * radius**2 / (8 * modulus))
-    rest = least * rng.uniform(0.7, 4)
-    a = min(rest, least)
-    load, pull = (
-        4 / 3 * modulus * r**3 / radius - np.sqrt(8 * np.pi * modulus * g * r**3)
-        for r, g in ((rest, gamma), (a, gamma * ratio))
-    )
-    law = em.Foundation(modulus, [modulus * (ratio - 1)], [1.0])
-    time, loads = (
-        np.array([0, 3e-10, 6e-10, 1e-9]),
-        np.array([load, min(load, 0), 0.8 * pull, pull]),
-    )
-    found = em.indent(law, em.Paraboloid(radius), time=time, load=loads, adhesion=gamma)
-    return [(found.contact_radius[[0, 3]], np.array([rest, a]))]
-
-
 def brush(rng):
     """F_x = mu F_N [1 - (1 - zeta)^3], zeta = xi R G/(2 a mu E); all slips beyond zeta
     = 1.
@@ -252,7 +226,6 @@ def relaxation_in_shear(rng):
         (ting, 1e-9),
         (jkr, 1e-9),
         (kendall, 1e-12),
-        (pull_off, 1e-12),
         (brush, 1e-12),
         (carter, 1e-12),
         (relaxation_in_shear, 1e-12),

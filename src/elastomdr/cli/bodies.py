@@ -438,7 +438,7 @@ class HeatTable(Table):
         return {"heat": heat} | given(self, "branch")
 
 
-class Adhesion(Table):
+class ShearOfContact(Table):
     """Adhesive shear on the area of real contact, in dry friction: stress exp(-width
     log10(v a_T/velocity)^2).
 

@@ -37,6 +37,7 @@ from .units import (
     LinePush,
     Mass,
     Pause,
+    Pressure,
     Push,
     PushPressure,
     Speed,
@@ -221,12 +222,32 @@ class PointsTable(Table):
         return {"time": time, name: np.interp(time, self.time, values)}
 
 
+class Bonds(Table):
+    """Adhesion of the body and the rubber.
+
+    Keys:
+        work: work of adhesion at rest
+        cutoff: length at the edge within which bonds open
+        strength: largest stress between the surfaces, in place of the cutoff
+        edge: what it takes at a speed; by default computed from the rubber
+    """
+
+    work: SurfaceEnergy
+    cutoff: Length | None = None
+    strength: Pressure | None = None
+    edge: Literal["persson-brener", "glassy", "elastic"] | None = None
+
+    def arguments(self, folder: Path) -> Arguments:
+        rest = given(self, "cutoff", "strength", "edge")
+        return {"adhesion": em.Adhesion(self.work, **rest)}
+
+
 class _Indentation(OfBodies):
     """Indentation under a history of depth or load.
 
     Keys:
         temperature: temperature of the rubber
-        adhesion: work of adhesion
+        adhesion: adhesion of the body; a work of adhesion alone is its upper limit
         indenter: the rigid body
         history: load or depth against time
     """
@@ -234,12 +255,17 @@ class _Indentation(OfBodies):
     mark: ClassVar[str] = "history"
     call: ClassVar[str] = "indent"
     temperature: One[Temperature] | None = None
-    adhesion: SurfaceEnergy | None = None
+    adhesion: SurfaceEnergy | Bonds | None = None
     indenter: AnyShape
     history: Program | PointsTable
 
     def arguments(self, folder: Path) -> Arguments:
-        return super().arguments(folder) | given(self, "adhesion")
+        found = super().arguments(folder)
+        return (
+            found
+            if isinstance(self.adhesion, Bonds)
+            else found | given(self, "adhesion")
+        )
 
 
 class IndentationScene(_Indentation):

@@ -11,12 +11,12 @@ import elastomdr as em
 
 from ..errors import InputError
 from .bodies import (
-    Adhesion,
     AnyShape,
     AnySurface,
     CylinderTable,
     HeatTable,
     OfRevolution,
+    ShearOfContact,
 )
 from .scene import ContactTable, LayerTable, OfBodies, Scene, on_axes
 from .schema import (
@@ -141,7 +141,7 @@ class BodyFriction(RollingScene):
     """
 
     call: ClassVar[str] = "friction"
-    adhesion: Adhesion | None = None
+    adhesion: ShearOfContact | None = None
     measured: Text | None = None
 
 
@@ -183,7 +183,7 @@ class SurfaceFrictionScene(OfDraws):
     surface: AnySurface
     contact: SurfaceContact
     heat: HeatTable | None = None
-    adhesion: Adhesion | None = None
+    adhesion: ShearOfContact | None = None
     measured: Text | None = None
 
     roller: Roller | None = None

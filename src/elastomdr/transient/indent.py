@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ..arrays import on_jax, xp
+from ..arrays import xp
 from ..call.problem import check_rtol, doubt_depth, hint_at_metres
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
     broadcast,
+    certain,
     finite,
     is_traced,
     nan_unless,
     not_negative,
     numbers_only,
     numpy_unless_traced,
-    positive,
     representable,
     require,
     scalar,
@@ -32,14 +32,16 @@ from ..element.layer import Layer
 from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..material.validity import material_in_words
-from ..results.base import Array, quantity, record
+from ..results.base import Array, part, quantity, record
 from ..results.words import brief, describe, in_words
 from ..surface.disc import Disc
-from ..surface.shapes import AbstractShape, Cylinder, PowerLaw
+from ..surface.shapes import AbstractShape, Cylinder, Paraboloid, PowerLaw, Sphere
+from .adhesive_contact import Adhesion
 from .age import history_beyond
 from .history_result import AbstractHistory
-from .indentation_route import DepthOrLoad, Indented, indent_under, indent_with_adhesion
+from .indentation_route import DepthOrLoad, Indented, indent_under
 from .layer_disc import LayerDisc, incompressible_enough, of_layer
+from .press_and_pull import indent_with_adhesion
 from .problem import (
     Bound,
     at_temperature,
@@ -60,19 +62,34 @@ _WORST = 0.1
 HALF_SPACE = (
     "MDR line (exact for the half-space: normal contact, small slopes, no friction)"
 )
-RULE = (
-    "MDR line with adhesion: an edge lets go by its glassy energy q^2/(2 E_0) (a "
-    "rule, for contact that only recedes)"
-)
+LARGEST = "MDR line with adhesion at the edge, as large as the rubber allows"
+PULLED = "MDR line with an adhesive edge that depends on its speed"
 LAYER = "independent springs (exact for them; rubber of that thickness: em.layer)"
+UPPER = (
+    "adhesion takes as much as the rubber can give, an upper limit",
+    "em.Adhesion(work, cutoff=...)",
+)
+GIVEN_EDGE = ("the edge was given", 'edge="persson-brener"')
+_CONTRAST = 100  # glassy over relaxed modulus from which no pull-off was compared
+_PRELOAD = 3  # least depth over that of JKR that was
 ADHESION = unknown(
-    "adhesion acts at the very edge (JKR), where real bonds reach further, and on "
-    "viscoelastic rubber the rule of the edge is an upper limit of the pull-off"
+    "adhesion acts at the very edge (JKR), where real bonds reach further",
+    "em.Adhesion(work, cutoff=...), from which that is judged",
 )
 FINITE = (
     "rubber of finite thickness on a rigid base (exact: normal contact, small slopes, "
     "no friction)"
 )
+
+
+@part
+class AdhesiveEvent:
+    """Where an adhesive contact begins, or where it breaks; NaN where it does not."""
+
+    time: Array = quantity("time", "s", dims="")
+    depth: Array = quantity("depth", "m", dims="")
+    force: Array = quantity("force", "N", dims="")
+    radius: Array = quantity("contact radius", "m", dims="")
 
 
 @record
@@ -112,7 +129,22 @@ class Indentation(AbstractHistory):
     temperature: Array | None = quantity(
         "temperature", "K", "of the whole history", default=None, dims=""
     )
-    # and their history, from which `pressure` follows; None with adhesion
+    # with adhesion
+    edge_speed: Array | None = quantity(
+        "speed of the edge", "m/s", "outwards", default=None
+    )
+    work_factor: Array | None = quantity(
+        "work of adhesion over that at rest", "-", default=None
+    )
+    zone_ratio: Array | None = quantity(
+        "zone of adhesion over the radius", "-", "cutoff times factor", default=None
+    )
+    jump_in: AdhesiveEvent | None = None  # the first contact
+    pull_off: AdhesiveEvent | None = None  # where the body first comes off
+    loop_energy: Array | None = quantity(
+        "work in all", "J", "done by the body until it comes off", default=None, dims=""
+    )
+    # elements and their history, from which `pressure` follows; None with adhesion
     surface: IndentedElements | None = None
 
     title: ClassVar[str] = "Indentation"
@@ -185,7 +217,7 @@ def indent(
     time: ArrayLike,
     depth: ArrayLike | None = None,
     load: ArrayLike | None = None,
-    adhesion: Number | None = None,
+    adhesion: Adhesion | Number | None = None,
     temperature: Number | None = None,
     rtol: float = 1e-6,
 ) -> Indentation:
@@ -205,7 +237,8 @@ def indent(
             their own.
         depth: indentation depth [m] at these instants; arguments broadcast.
         load: normal force [N] at these instants.
-        adhesion: work of adhesion [J/m^2]; loads may then be negative.
+        adhesion: an `em.Adhesion`; loads may then be negative. A plain number is its
+            work [J/m^2], with the largest pull-off that the rubber allows.
         temperature: one temperature for all [K], for a material with a shift law.
         rtol: error to be met, relative to the largest force (or depth) of the history,
             1e-2 to 1e-10.
@@ -224,24 +257,27 @@ def indent(
     Exact for the half-space and for layers. A given depth, and a load under which the
     contact grows, are solved without a time step; other loads by steps of second order,
     refined until `rtol` is met. Adhesion is exact for elastic foundations (JKR). On
-    viscoelastic ones it is a rule for a contact that is relaxed at the first instant
-    and then recedes, without work and energies
-    (`elastomdr.transient.adhesive_contact`). Differentiable with respect to moduli,
-    times, geometry, time, depth and load.
+    viscoelastic half-spaces it is pressed and pulled in steps, held to 3 % (some .1 % as
+    a rule) where `rtol` is less, and without energies (`docs/theory.md`).
+    Differentiable with respect to moduli, times, geometry, time, depth and load, but
+    for adhesion of viscoelastic rubber.
 
     Source: Lee & Radok 1960; Ting 1966; Popov & Hess 2015, ch. 7; `docs/theory.md`.
     """
     disc, foundation = contact(material, shape)
     law, law_temperature, factor = at_temperature(foundation, temperature)
-    course = _course(law, time, depth, load, pull=adhesion is not None)
+    bonds = _adhesion(adhesion)
+    course = _course(law, time, depth, load, pull=bonds is not None)
     rtol = check_rtol(rtol, "1e-10", "1e-2")
-    _check_depth(disc, course, adhesion)
-    gamma = None if adhesion is None else _work_of_adhesion(law, shape, adhesion)
-    solution = _solved(law, disc, course, gamma, rtol)
+    _check_depth(disc, course)
+    if bonds is not None:
+        _check_adhesion(law, disc, bonds)
+    solution = _solved(law, disc, course, bonds, rtol)
+    edge = solution.edge
     if isinstance(disc, LayerDisc):
         layer: Any = material
         incompressible_enough(layer, disc, solution.radius, solution.force)
-    shown = _accepted(solution, adhesion is None, rtol)
+    shown = _accepted(solution, bonds is None, max(rtol, solution.held_to))
     every_time = xp.broadcast_to(course.time, solution.depth.shape)
     given_load = course.load is not None and course.depth is None
     beyond = history_beyond(
@@ -252,7 +288,9 @@ def indent(
         factor,
     )
 
-    bound = ADHESION if adhesion is not None else bound_on(foundation, Bound())
+    bound = bound_on(foundation, Bound())
+    if bonds is not None:
+        bound = _bound_on_edge(law, disc, bonds, solution)
 
     def known(field: Array) -> Any:
         return nan_unless(shown, field)
@@ -270,10 +308,16 @@ def indent(
         model_error=bound.at(shown),
         converged=solution.converged,
         temperature=law_temperature,
-        surface=IndentedElements(law, disc, course) if adhesion is None else None,
-        model=_model(law, disc, adhesion),
+        edge_speed=None if edge is None else known(edge.speed),
+        work_factor=None if edge is None else known(edge.factor),
+        zone_ratio=None if edge is None else known(edge.zone),
+        jump_in=None if edge is None else AdhesiveEvent(*edge.jump_in),
+        pull_off=None if edge is None else AdhesiveEvent(*edge.pull_off),
+        loop_energy=None if edge is None else edge.loop,
+        surface=IndentedElements(law, disc, course) if bonds is None else None,
+        model=_model(law, disc, bonds),
         plan=solution.plan,
-        inputs=tuple(_inputs(foundation, shape, course, gamma, law_temperature, rtol)),
+        inputs=tuple(_inputs(foundation, shape, course, bonds, law_temperature, rtol)),
         marks=(
             *beyond,
             *bound.marks(shown),
@@ -297,11 +341,15 @@ def _accepted(solution: Indented, has_heat: bool, rtol: float) -> Any:
 
 
 def _solved(
-    law: Relaxation, disc: Disc, course: DepthOrLoad, gamma: Array | None, rtol: float
+    law: Relaxation,
+    disc: Disc,
+    course: DepthOrLoad,
+    bonds: Adhesion | None,
+    rtol: float,
 ) -> Indented:
     modes = recovery_modes(law)
-    if gamma is not None:
-        return on_jax(indent_with_adhesion, law, modes, disc, course, gamma)
+    if bonds is not None:
+        return indent_with_adhesion(law, modes, disc, course, bonds, rtol)
     solution = indent_under(law, modes, disc, course, rtol)
     return _within(solution, disc) if isinstance(disc, LayerDisc) else solution
 
@@ -310,7 +358,7 @@ def _inputs(
     foundation: Foundation,
     shape: AbstractShape,
     course: DepthOrLoad,
-    gamma: Array | None,
+    bonds: Adhesion | None,
     temperature: Array | None,
     rtol: float,
 ) -> list[tuple[str, str]]:
@@ -319,7 +367,7 @@ def _inputs(
         ("time", course.time, "s"),
         ("depth", course.depth, "m"),
         ("load", course.load, "N"),
-        ("work of adhesion", gamma, "J/m^2"),
+        ("work of adhesion", None if bonds is None else bonds.work, "J/m^2"),
         ("temperature", temperature, "K"),
     ]
     return [
@@ -334,17 +382,8 @@ def _inputs(
     ]
 
 
-def _check_depth(disc: Disc, course: DepthOrLoad, adhesion: Number | None) -> None:
-    """Raises `InputError` for depths beyond what body or layer have, and for adhesion on
-    a layer.
-    """
-    if isinstance(disc, LayerDisc) and adhesion is not None:
-        raise InputError(
-            argument="adhesion",
-            got=adhesion,
-            accepted="left out on an em.layer",
-            hint="it is known for half-spaces and springs only",
-        )
+def _check_depth(disc: Disc, course: DepthOrLoad) -> None:
+    """Raises `InputError` for depths beyond what body or layer have."""
     if course.depth is None or is_traced(disc, course.depth):
         return
     depth = np.nan_to_num(course.depth)
@@ -368,15 +407,15 @@ def _deepest(disc: Disc) -> float:
     return float(disc.profile(disc.largest)) if np.isfinite(disc.largest) else np.inf
 
 
-def _model(law: Relaxation, disc: Disc, adhesion: Number | None) -> str:
+def _model(law: Relaxation, disc: Disc, bonds: Adhesion | None) -> str:
     if isinstance(disc, LayerDisc):
         return FINITE
     base = HALF_SPACE if disc.kind == "half-space" else LAYER
-    if adhesion is None:
+    if bonds is None:
         return base
     if law.moduli.shape[0] == 0 or (not is_traced(law) and not law.moduli.any()):
         return base.replace("exact", "JKR adhesion, exact", 1)
-    return RULE
+    return PULLED if bonds.edge != "glassy" else LARGEST
 
 
 def _within(solution: Indented, disc: LayerDisc) -> Indented:
@@ -409,31 +448,89 @@ def contact(material: Materials, shape: AbstractShape) -> tuple[Disc, Foundation
     return Disc(shape, "layer" if foundation.per_area else "half-space"), foundation
 
 
-def _work_of_adhesion(
-    law: Relaxation, shape: AbstractShape, adhesion: Number | None
-) -> Any:
-    gamma = scalar("adhesion", adhesion)
-    positive("adhesion", gamma)
-    if not is_traced(law):
-        if law.viscosity > 0:
-            raise InputError(
-                argument="material",
-                accepted="without a parallel dashpot under adhesion",
-                hint="its edge could never let go at once",
-            )
-        if law.equilibrium == 0:
-            raise InputError(
-                argument="material",
-                accepted="a solid (equilibrium above 0) under adhesion",
-                hint="a liquid has no relaxed contact to start from",
-            )
+def _adhesion(adhesion: Adhesion | Number | None) -> Adhesion | None:
+    """What a number stands for; None without adhesion, or with no work of it."""
+    if adhesion is None:
+        return None
+    if not isinstance(adhesion, Adhesion):
+        work = scalar("adhesion", adhesion)
+        not_negative("adhesion", work)
+        adhesion = Adhesion(work, edge="glassy")
+    return None if certain(lambda work: work == 0, adhesion.work) else adhesion
+
+
+def _check_adhesion(law: Relaxation, disc: Disc, bonds: Adhesion) -> None:
+    """Raises `InputError` for what has no adhesive contact."""
+    if isinstance(disc, LayerDisc):
+        raise InputError(
+            argument="adhesion",
+            accepted="left out on an em.layer",
+            hint="it is known for half-spaces and springs only",
+        )
+    shape = disc.shape
     if isinstance(shape, PowerLaw) and shape.exponent < 1:
         raise InputError(
             argument="exponent",
             got=float(shape.exponent),
             accepted="1 or more with adhesion",
         )
-    return gamma
+    if is_traced(law):
+        return
+    if law.viscosity > 0:
+        raise InputError(
+            argument="material",
+            accepted="without a parallel dashpot under adhesion",
+            hint="its edge could never let go at once",
+        )
+    if law.equilibrium == 0:
+        raise InputError(
+            argument="material",
+            accepted="a solid (equilibrium above 0) under adhesion",
+            hint="a liquid has no relaxed contact to start from",
+        )
+    computed = bonds.edge == "persson-brener" and law.moduli.any()
+    if computed and disc.kind != "half-space":
+        raise InputError(
+            argument="edge",
+            got=bonds.edge,
+            accepted='"elastic", "glassy" or a table on springs of viscoelastic rubber',
+            hint="how their edge depends on its speed is not known",
+        )
+
+
+def _bound_on_edge(
+    law: Relaxation, disc: Disc, bonds: Adhesion, solution: Indented
+) -> Bound:
+    """How far an adhesive edge is off at most: known against boundary elements under
+    balls, by the size of its zone where the body comes off.
+    """
+    edge = solution.edge
+    if edge is None or is_traced(law, bonds, solution.force):
+        return ADHESION
+    remembers = bool(law.moduli.any())
+    if bonds.edge != "persson-brener" and remembers:
+        return unknown(*(UPPER if bonds.edge == "glassy" else GIVEN_EDGE))
+    if np.isnan(bonds.length(float(law.equilibrium))):
+        return ADHESION
+    if disc.kind != "half-space" or not isinstance(disc.shape, Paraboloid | Sphere):
+        return unknown("the pull-off of this shape was not compared", "a ball")
+    if law.moduli.sum() >= (_CONTRAST - 1) * law.equilibrium:
+        why = f"glassy over relaxed modulus is {_CONTRAST} or more"
+        return unknown(why, "a table of speeds as edge")
+    with np.errstate(all="ignore"):
+        size = np.where(
+            edge.zone_off < 0.5, np.where(edge.zone_off < 0.25, 0.1, 0.15), np.nan
+        )
+        size = np.where(
+            np.nanmax(solution.depth, axis=-1) < _PRELOAD * edge.scale, np.nan, size
+        )
+    if not np.isnan(size).any():
+        return Bound(size[..., None])
+    why = (
+        "the zone of adhesion is above half of the radius, or the body was pressed less "
+        f"than {_PRELOAD} times the depth of JKR, {significant(float(np.max(edge.scale)))} m"
+    )
+    return Bound(size[..., None], why, "a smaller cutoff, or a deeper contact")
 
 
 def _course(

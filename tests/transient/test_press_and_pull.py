@@ -1,0 +1,268 @@
+"""`em.indent(adhesion=...)`: JKR's cycles, an edge that depends on its speed, its bounds
+and its limits.
+"""
+
+import jax
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.checks import numpy_unless_traced
+from elastomdr.element.episode import recovery_modes
+
+# an instant may lie between the pull-offs of the finer and the coarser march
+pytestmark = pytest.mark.filterwarnings("ignore:.*comes off too near")
+RELAXED, RADIUS, WORK = 1e6, 1e-2, 0.05  # Pa, m, J/m^2
+BALL = em.Paraboloid(RADIUS)
+ELASTIC = em.Foundation(RELAXED, [], [])
+# one branch so weak that nothing depends on it: the march instead of the closed form
+WEAK = em.Foundation(RELAXED, [1e-3], [0.1])
+RUBBER = em.Foundation(RELAXED, [9e6], [0.1])
+SCALE = (np.pi * WORK * RADIUS**2 / RELAXED) ** (2 / 3) / RADIUS  # D of JKR
+JKR = 1.5 * np.pi * WORK * RADIUS
+CUTOFF = em.Adhesion(WORK, cutoff=1e-6)
+
+
+def way(top, low, steps=100):
+    """Up, down and beyond."""
+    return np.append(
+        np.linspace(0, top, steps), np.linspace(top, low, 3 * steps + 1)[1:]
+    )
+
+
+def cycle(law, shape=BALL, rate=1.0, top=6 * SCALE, low=-12 * SCALE, **options):
+    """From the first touch to a depth and back, at a rate in D/s."""
+    depth = way(top, low, options.pop("steps", 60))
+    time = np.append(0.0, np.cumsum(abs(np.diff(depth)))) / (rate * SCALE)
+    adhesion = options.pop("adhesion", CUTOFF)
+    return em.indent(law, shape, time=time, depth=depth, adhesion=adhesion, **options)
+
+
+def test_cycle_of_an_elastic_ball():
+    """Oracle jkr_cycle_sphere."""
+    found = cycle(ELASTIC, low=-1.5 * SCALE)
+    assert np.isclose(found.jump_in.radius, 3.155368e-4, rtol=1e-6)
+    assert np.isclose(found.jump_in.force, -2.094395e-3, rtol=1e-6)
+    assert np.isclose(found.pull_off.depth, -4.704078e-6, rtol=1e-6)
+    assert np.isclose(found.pull_off.force, -1.308997e-3, rtol=1e-6)
+    assert np.isclose(found.loop_energy, 1.036885e-8, rtol=1e-6)
+
+
+def test_load_pulls_an_elastic_ball_off():
+    load = way(2 * JKR, -1.5 * JKR)
+    with pytest.warns(em.ConvergenceWarning):
+        found = em.indent(
+            ELASTIC, BALL, time=np.arange(load.size), load=load, adhesion=WORK
+        )
+    assert np.isclose(found.pull_off.force, -2.356194e-3, rtol=1e-6)
+    assert np.isclose(found.pull_off.radius, 2.604699e-4, rtol=1e-6)
+    assert np.isclose(found.jump_in.radius, 4.134701e-4, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("rate", "expected"),
+    [
+        (1e-06, 1.0005),
+        (0.01, 2.656),
+        (0.1, 5.46),
+        (1, 8.69),
+        (10, 9.355),
+        (100, 2.28),
+        (10000.0, 1.01),
+    ],
+)
+def test_pull_of_a_cycle_is_a_bell_over_its_rate(rate, expected):
+    """Oracle jkr_cycle_viscoelastic."""
+    found = cycle(RUBBER, rate=rate)
+    assert np.isclose(-found.pull_off.force / JKR, expected, rtol=0.01)
+    assert np.nanmin(found.force) >= found.pull_off.force
+    assert (found.error[found.converged] < 0.03).all()
+
+
+@pytest.mark.parametrize(
+    ("shape", "pull"),
+    [
+        (BALL, -2.356194e-3),
+        (em.Cone(0.2), -5.371479e-6),
+        (em.FlatPunch(5e-4), -1.253314e-2),
+        (em.PowerLaw(4.0, 1e8), -5.099735e-3),
+    ],
+    ids=lambda value: getattr(value, "label", ""),
+)
+def test_march_is_the_closed_form_where_nothing_relaxes(shape, pull):
+    load = way(-6 * pull, 1.3 * pull)
+    runs = []
+    for law in (WEAK, ELASTIC):
+        with pytest.warns(em.ConvergenceWarning):
+            run = em.indent(
+                law, shape, time=np.arange(load.size), load=load, adhesion=CUTOFF
+            )
+        assert np.isclose(run.pull_off.force, pull, rtol=1e-4)
+        runs.append(run)
+    known = runs[1].converged
+    for field in ("depth", "contact_radius"):
+        march, closed = (getattr(run, field)[known] for run in runs)
+        assert np.allclose(march, closed, rtol=1e-3, atol=1e-4 * closed.max())
+    assert np.allclose(runs[0].error[known], 0, atol=1e-3)
+
+
+def test_what_rested_pulls_up_to_the_glassy_modulus():
+    """From rest the pull rises with the rate to E_inf/E_0 times that of JKR."""
+    pulls = []
+    for rate, expected in ((0.01, 2.658), (0.1, 5.47), (1, 8.70), (10, 9.95)):
+        depth = np.append(6 * SCALE, np.linspace(6, -12, 300) * SCALE)
+        time = np.append(0.0, 1e9 + np.arange(300) * 18 / 299 / rate)
+        found = em.indent(RUBBER, BALL, time=time, depth=depth, adhesion=CUTOFF)
+        pulls.append(-found.force.min() / JKR)
+        assert np.isclose(pulls[-1], expected, rtol=0.01)
+    assert (np.diff(pulls) > 0).all()
+    assert pulls[-1] < 10
+
+
+def test_factor_of_the_edge():
+    """1/Gamma = 1 - (1-k)(sqrt(1+b^2) - 1)/b with b = 2 pi nu/Gamma, solved by hand."""
+    law = RUBBER.law()
+    bond = numpy_unless_traced(CUTOFF.bond)(law, recovery_modes(law))
+    retardation = 0.1 * 10  # lambda = tau E_inf/E_0
+    for nu in (0.01, 0.1, 1.0, 10.0):
+        factor = 2.0
+        for _ in range(200):
+            b = 2 * np.pi * nu / factor
+            factor = 0.5 * (factor + 1 / (1 - 0.9 * (np.sqrt(1 + b**2) - 1) / b))
+        found = bond.at(np.array(nu * 1e-6 / retardation))
+        assert np.isclose(found, factor, rtol=1e-3)
+    assert np.isclose(bond.at(np.array(0.0)), 1)
+    assert np.isclose(bond.at(np.array(1e9)), 10)
+
+
+def test_edges_that_are_given_are_limits():
+    pulls = {
+        name: -cycle(RUBBER, adhesion=adhesion).force.min() / JKR
+        for name, adhesion in {
+            "elastic": em.Adhesion(WORK, edge="elastic"),
+            "computed": CUTOFF,
+            "table": em.Adhesion(WORK, edge=([1e-9, 1e-6, 1.0], [1.0, 3.0, 3.0])),
+            "number": WORK,
+        }.items()
+    }
+    assert pulls["elastic"] < pulls["table"] < pulls["computed"] < pulls["number"]
+    upper = cycle(RUBBER, adhesion=WORK)
+    assert np.isnan(upper.model_error).all()
+    assert any("upper limit" in doubt.says for doubt in upper.doubts)
+
+
+def test_strength_is_a_cutoff():
+    strength = 1e5
+    cutoff = 6 * RELAXED * WORK / (np.pi * strength**2)
+    one = cycle(RUBBER, adhesion=em.Adhesion(WORK, strength=strength))
+    other = cycle(RUBBER, adhesion=em.Adhesion(WORK, cutoff=cutoff))
+    assert (one.force == other.force).all()
+
+
+def test_bound_follows_the_zone():
+    assert (cycle(RUBBER).model_error[:1] == 0.1).all()
+    wide = cycle(RUBBER, adhesion=em.Adhesion(WORK, cutoff=1e-4))
+    assert np.isnan(wide.model_error).all()
+    assert wide.zone_ratio[50] > 0.1
+    shallow = cycle(RUBBER, top=2 * SCALE)
+    assert any("pressed less" in doubt.says for doubt in shallow.doubts)
+    stiff = em.Foundation(RELAXED, [200e6], [0.1])
+    assert np.isnan(cycle(stiff, steps=30).model_error).all()
+    assert np.isnan(cycle(RUBBER, shape=em.Cone(0.1)).model_error).all()
+
+
+def test_contact_is_made_again_on_what_was_pulled():
+    """A second cycle after a long rest is the first one."""
+    once = way(6 * SCALE, -4 * SCALE, 40)
+    depth = np.concatenate([once, [-4 * SCALE], once])
+    time = np.arange(depth.size) * 0.1
+    time[once.size :] += 1e6
+    found = em.indent(RUBBER, BALL, time=time, depth=depth, adhesion=CUTOFF)
+    first, second = found.force[: once.size], found.force[once.size + 1 :]
+    assert np.allclose(second, first, atol=0.02 * abs(first).max())
+
+
+def test_histories_together_are_those_alone():
+    depth = np.stack([way(6 * SCALE, -9 * SCALE, 30), way(4 * SCALE, -9 * SCALE, 30)])
+    time = np.arange(depth.shape[1]) * 0.2
+    together = em.indent(RUBBER, BALL, time=time, depth=depth, adhesion=CUTOFF)
+    assert together.pull_off.force.shape == (2,)
+    assert together.to_pandas().shape[0] == depth.size
+    for i, row in enumerate(depth):
+        alone = em.indent(RUBBER, BALL, time=time, depth=row, adhesion=CUTOFF)
+        assert np.allclose(together.force[i], alone.force, atol=0.03 * JKR)
+
+
+def test_depth_and_load_in_turn():
+    time = np.array([0.0, 1.0, 2.0, 3.0])
+    depth = np.array([0.0, 6 * SCALE, np.nan, np.nan])
+    load = np.array([np.nan, np.nan, 3 * JKR, 0.0])
+    found = em.indent(RUBBER, BALL, time=time, depth=depth, load=load, adhesion=CUTOFF)
+    assert np.allclose(found.force[2:], load[2:])
+    assert np.isfinite(found.depth).all()
+
+
+@pytest.mark.parametrize(
+    ("argument", "options"),
+    [
+        ("work", {"work": -1.0}),
+        ("cutoff", {"work": WORK, "cutoff": 0.0}),
+        ("strength", {"work": WORK, "cutoff": 1e-7, "strength": 1e6}),
+        ("edge", {"work": WORK, "edge": "viscous"}),
+        ("edge", {"work": WORK, "edge": ([1.0, 0.1], [1.0, 2.0])}),
+        ("edge", {"work": WORK, "edge": ([0.1, 1.0], [0.5, 2.0])}),
+    ],
+)
+def test_refuses(argument, options):
+    with pytest.raises(em.InputError) as refused:
+        em.Adhesion(**options)
+    assert refused.value.argument == argument
+
+
+@pytest.mark.parametrize("nothing", [0.0, em.Adhesion(0.0, cutoff=1e-7)])
+def test_no_work_is_no_adhesion(nothing):
+    depth = way(6 * SCALE, -SCALE, 20)
+    runs = [
+        em.indent(RUBBER, BALL, time=np.arange(depth.size), depth=depth, adhesion=work)
+        for work in (None, nothing)
+    ]
+    for field in ("force", "contact_radius", "dissipated", "model_error"):
+        one, other = (getattr(run, field) for run in runs)
+        assert np.array_equal(one, other)
+
+
+@pytest.mark.parametrize(
+    ("argument", "law", "adhesion"),
+    [
+        ("cutoff", RUBBER, em.Adhesion(WORK)),
+        ("edge", em.springs(em.Prony(1e6, [9e6], [0.1]), 5e-3, bonded=False), CUTOFF),
+        ("adhesion", em.layer(em.Prony(1e6, [9e6], [0.1]), 5e-3), CUTOFF),
+        ("material", em.Foundation(1e6, [], [], viscosity=1e3), CUTOFF),
+        ("material", em.Foundation(0.0, [1e6], [1.0]), CUTOFF),
+    ],
+)
+def test_refuses_rubber(argument, law, adhesion):
+    with pytest.raises(em.InputError) as refused:
+        em.indent(law, BALL, time=[0, 1], depth=[0, 1e-5], adhesion=adhesion)
+    assert refused.value.argument == argument
+
+
+def test_memory_at_the_edge_has_no_derivatives():
+    def force(top):
+        return em.indent(
+            RUBBER, BALL, time=[0.0, 1.0], depth=top * np.arange(2), adhesion=CUTOFF
+        ).force[-1]
+
+    with pytest.raises(em.InputError) as refused:
+        jax.grad(force)(1e-5)
+    assert refused.value.argument == "depth"
+
+
+def test_springs_of_an_elastic_rubber_stick():
+    """On springs delta = sqrt(2 w/k) everywhere, and a = sqrt(2 R (d + delta))."""
+    stiffness, depth = 1e9, np.array([0.0, 1e-5, 5e-6])
+    law = em.springs(em.Prony(stiffness * 5e-3, [], [], poisson=0.4), 5e-3)
+    found = em.indent(law, BALL, time=np.arange(3), depth=depth, adhesion=WORK)
+    k = float(law.equilibrium)
+    wide = np.sqrt(2 * RADIUS * (depth + np.sqrt(2 * WORK / k)))
+    np.testing.assert_allclose(found.contact_radius, wide, rtol=1e-12)
