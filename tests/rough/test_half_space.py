@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.errors import InputError
 from elastomdr.rough import half_space
 from elastomdr.rough import random_maps as maps
 
-from ..refused import warned
+from ..refused import refused, warned
 
 SOLID = em.Foundation(1e6, np.full(6, 2e6), np.geomspace(1e-6, 1e-1, 6))
 ROAD = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=8e3)
@@ -228,12 +227,12 @@ def test_a_cell_with_one_summit_is_no_answer():
 
 
 def test_cells_that_do_not_resolve_are_refused():
-    with pytest.raises(InputError, match="cells"):
+    with refused("cells", 16):
         em.friction(
             SOLID, ROAD, velocity=0.1, pressure=1e5, model=em.HalfSpace(cells=16)
         )
     wide = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e2, q_high=1e6)
-    with pytest.raises(InputError, match=r"em\.Multiscale"):
+    with refused("cells", "em.Multiscale"):
         em.friction(SOLID, wide, velocity=0.1, pressure=1e5, model=em.HalfSpace())
 
 

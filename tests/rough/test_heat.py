@@ -287,8 +287,8 @@ def test_branches_of_one_flash_temperature():
     ("change", "message"),
     [
         ({"heat": 0.2}, ("heat", "em.Heat")),
-        ({"temperature": None}, ("", "temperature")),
-        ({"pressure": None, "load": 3.0}, ("", "heat needs")),
+        ({"temperature": None}, ("temperature", "heat")),
+        ({"pressure": None, "load": 3.0}, ("heat", "pressure")),
         (
             {"shape": em.Sphere(1e-3), "pressure": None, "load": 3.0},
             ("", "rough surface"),
@@ -302,11 +302,11 @@ def test_bad_input(change, message):
 
 
 def test_bad_heat():
-    with pytest.raises(em.InputError, match="conductivity must be positive"):
+    with refused("conductivity", -0.2):
         em.Heat(-0.2, 2e6)
     with refused("heat_capacity", "single number"):
         em.Heat(0.2, [2e6, 1.0])
-    with pytest.raises(em.InputError, match="velocity must be positive"):
+    with refused("velocity", 0):
         RUBBER.moving_band(1e5, 1e-3, 0.0, 0.0)
 
 

@@ -18,7 +18,7 @@ from elastomdr.rough import multiscale
 from elastomdr.rough import temperature_by_scale as warm
 from elastomdr.rough.psd_integrals import integral_to, nodes
 
-from ..refused import mentions, warned
+from ..refused import mentions, refused, warned
 
 WLF = em.WLF(c1=8.86, c2=101.6, reference=293.15)
 RUBBER = em.Prony(0.5e6, [3e7, 3e6], [1e-6, 1e-3], shift=WLF)
@@ -457,12 +457,12 @@ def test_branches_under_jit():
 
 def test_bad_branch():
     for branch, heat, words in (
-        ("warm", HEAT, "branch must be 'cold' or 'hot', got 'warm'"),
-        ("hot", None, r"branch='hot' needs heat=em\.Heat"),
+        ("warm", HEAT, ("branch", "warm", "cold", "hot")),
+        ("hot", None, ("branch", "hot", "em.Heat")),
     ):
-        with pytest.raises(em.InputError, match=words):
+        with refused(*words):
             em.friction(RUBBER, ROAD, heat=heat, branch=branch, **ASKED)
-    with pytest.raises(em.InputError, match="branch belongs to heat="):
+    with refused("", "branch", "heat"):
         em.friction(RUBBER, em.Sphere(1e-3), velocity=1.0, load=1.0, branch="hot")
 
 
@@ -627,12 +627,12 @@ def test_gradients_through_softening_heat_and_adhesion():
 
 def test_bad_heat():
     for road, words in (
-        ((1.0,), "road must be a pair"),
-        ((-1.0, 2e6), "road: conductivity must be positive"),
+        ((1.0,), ("road", "pair")),
+        ((-1.0, 2e6), ("road", "positive", -1)),
     ):
-        with pytest.raises(em.InputError, match=words):
+        with refused(*words):
             em.Heat(0.25, 2e6, road=road)
-    with pytest.raises(em.InputError, match=r"road needs em\.Multiscale"):
+    with refused("road", "em.Multiscale"):
         em.friction(RUBBER, ROAD, heat=STONE, model=em.Line(), **ASKED)
 
 

@@ -19,6 +19,8 @@ from elastomdr.element.law import surface_foundation
 from elastomdr.errors import InputError
 from elastomdr.rough import many_points, multiscale
 
+from ..refused import refused
+
 SOLID = em.Foundation(1e6, [3e6, 8e6, 2e7], [1e-4, 1e-3, 1e-2])
 ROAD = em.SelfAffine(0.8, rms_slope=0.4, q_low=1e3, q_high=5e4, q_rolloff=3e3)
 TRUTH = Path(__file__).parents[2] / "benchmarks" / "results" / "rough_truth.json"
@@ -548,26 +550,26 @@ def test_tabulated_moduli_go_straight_in():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"pressure": -1.0}, "pressure must be positive"),
-        ({"temperature": 300.0}, "no shift law"),
-        ({"rtol": 0.0}, "rtol"),
-        ({"load": 1.0}, "load must be left out"),
-        ({"model": em.Averaged()}, "em.Line"),
-        ({"model": "multiscal"}, "multiscale"),
-        ({"velocity": np.ones(3), "pressure": np.full(2, 1e5)}, "broadcast"),
+        ({"pressure": -1.0}, ("pressure", -1)),
+        ({"temperature": 300.0}, ("", "shift law")),
+        ({"rtol": 0.0}, ("rtol", 0)),
+        ({"load": 1.0}, ("", "load")),
+        ({"model": em.Averaged()}, ("model", "em.Line")),
+        ({"model": "multiscal"}, ("model", "multiscale")),
+        ({"velocity": np.ones(3), "pressure": np.full(2, 1e5)}, ("", "broadcast")),
     ],
 )
 def test_bad_input(change, words):
-    with pytest.raises(InputError, match=words):
+    with refused(*words):
         em.friction(SOLID, ROAD, **{"velocity": 0.1, "pressure": 1e5} | change)
 
 
 def test_the_right_model_for_the_shape():
-    with pytest.raises(InputError, match="model"):
+    with refused("model", "Multiscale"):
         em.friction(
             SOLID, em.Sphere(1e-3), velocity=0.1, load=1.0, model=em.Multiscale()
         )
-    with pytest.raises(InputError, match="equilibrium"):
+    with refused("material", "equilibrium"):
         em.friction(em.Maxwell(1e6, 1e-3), ROAD, velocity=0.1, pressure=1e5)
 
 

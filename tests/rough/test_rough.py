@@ -144,7 +144,7 @@ def test_contact_along_the_line():
         got, **{k: np.nan * getattr(got, k) for k in ("height", "surface", "force")}
     )
     assert len(failed.plot().lines) == 4
-    with pytest.raises(em.InputError, match="must be single numbers"):
+    with refused("velocity", "single"):
         em.line_contact(one, line, velocity=[1.0, 2.0], depth=2e-5)
 
 
@@ -190,7 +190,7 @@ def test_plan_of_a_rough_line():
     assert (plan.points, plan.branches, plan.solutions, plan.lines) == (5, 9, 5, 1)
     assert (plan.control, plan.strides[-1]) == ("load", 1)
     assert f"{plan.samples} samples" in str(plan)
-    with pytest.raises(em.InputError, match="quantity must be 'friction'"):
+    with refused("quantity", "friction", "rolling"):
         em.plan(many, rough(1024), velocity=1.0, load=10.0, quantity="rolling")
 
 
@@ -297,7 +297,7 @@ def test_random_scenes_converge_or_say_so():
     ("change", "message"),
     [
         ({"pressure": None}, ("", "pressure")),
-        ({"load": 3.0}, ("", "only")),
+        ({"load": 3.0}, ("load", "pressure", 3)),
         ({"pressure": -1.0}, ("pressure", "positive")),
         ({"temperature": 300.0}, ("", "shift law")),
         ({"model": "lines"}, ("model", "'line'")),
@@ -356,7 +356,7 @@ def test_lines_have_no_derivatives():
 
 @pytest.mark.parametrize("seeds", [0, [1, 1], [1.5]])
 def test_bad_seeds(seeds):
-    with pytest.raises(em.InputError, match="seeds must be"):
+    with refused("seeds"):
         em.Line(seeds=seeds)
 
 

@@ -8,6 +8,8 @@ import pytest
 
 import elastomdr as em
 
+from ..refused import refused
+
 SOFT, HARD, TAU = 1e6, 3e6, 2.0  # in shear
 LAW = em.WLF(8.86, 101.6, 293.15)
 RUBBER = em.StandardSolid(SOFT, HARD, TAU, shift=LAW)
@@ -127,23 +129,26 @@ def test_summary_and_figure():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"boundary_shear": -1.0}, "boundary_shear must be positive"),
-        ({"time": 0.0}, "time must be positive"),
-        ({"velocity": -1.0}, "velocity must be positive"),
-        ({"surface": em.Sphere(1e-3)}, "surface must be"),
-        ({"model": em.Line()}, "for a break-out"),
-        ({"model": em.HalfSpace()}, "for a break-out"),
+        ({"boundary_shear": -1.0}, ("boundary_shear", -1)),
+        ({"time": 0.0}, ("time", 0)),
+        ({"velocity": -1.0}, ("velocity", -1)),
+        ({"surface": em.Sphere(1e-3)}, ("surface", "Sphere")),
+        ({"model": em.Line()}, ("model", "break-out")),
+        ({"model": em.HalfSpace()}, ("model", "break-out")),
         (
             {"boundary_shear": em.AdhesiveShear(1e5, 1.0, 0.1, shift=LAW)},
-            "boundary_shear has a shift law",
+            ("temperature", "boundary_shear", "shift law"),
         ),
-        ({"material": em.Maxwell(1e6, 1.0), "time": None}, "equilibrium modulus"),
+        (
+            {"material": em.Maxwell(1e6, 1.0), "time": None},
+            ("material", "equilibrium"),
+        ),
     ],
 )
 def test_bad_input(change, words):
     given = {"material": RUBBER, "surface": ROUGH, "pressure": 1e5}
     given |= {"boundary_shear": STRESS, "time": 1.0} | change
-    with pytest.raises(em.InputError, match=words):
+    with refused(*words):
         em.break_out(**given)
 
 

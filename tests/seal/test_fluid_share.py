@@ -423,7 +423,7 @@ RING = em.o_ring(RUBBER, 3e-3, 0.05)
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"pressure": 1e5, "profile": PROFILE}, ("", 'o_ring', 'pressure')),
+        ({"pressure": 1e5, "profile": PROFILE}, ("profile", 'pressure')),
         ({}, ("", 'o_ring', 'pressure')),
         ({"pressure": 1e5}, ("length",)),
         ({"profile": PROFILE, "length": 1e-3}, ("length", 'left out')),
@@ -436,7 +436,7 @@ RING = em.o_ring(RUBBER, 3e-3, 0.05)
         ({"profile": PROFILE, "viscosity": None}, ("", 'kinematic_viscosity', 'viscosity')),
         (
             {"profile": PROFILE, "viscosity": None, "kinematic_viscosity": 1e-6},
-            ("", 'kinematic_viscosity', 'density'),
+            ("kinematic_viscosity", 'density'),
         ),
     ],
 )  # fmt: skip
@@ -534,7 +534,7 @@ def test_gradient_in_reverse():
 
 @pytest.mark.parametrize("given", [{"profile": PROFILE}, {"o_ring": RING}])
 def test_pressures_along_the_seal_are_refused_under_jax(given):
-    with pytest.raises(em.InputError, match=r"under jax\.jit"):
+    with refused("pressure", "jax.jit"):
         jax.grad(
             lambda p: em.leak(RUBBER, TURNED, pressure_drop=p, **SEAL, **given).rate
         )(1e4)

@@ -71,7 +71,7 @@ def test_the_temperature_of_a_gas_needs_no_shift_law():
     assert float(cold.area_ratio) == float(warm.area_ratio) == float(liquid.area_ratio)
     assert float(warm.knudsen / cold.knudsen) == pytest.approx(2.0, rel=1e-12)
     assert "every temperature" in cold.summary()
-    with pytest.raises(em.InputError, match="has no shift law"):
+    with refused("", "shift law"):
         em.leak(rubber, ROUGH, temperature=293.15, **scene)
 
 
@@ -184,12 +184,12 @@ def test_derivative():
     [
         ({"outlet_pressure": 0.0}, ("outlet_pressure", "absolute pressure")),
         ({"outlet_pressure": -1e5}, ("outlet_pressure", "absolute pressure")),
-        ({"outlet_pressure": None}, ("", "molar_mass", "belongs")),
-        ({"molar_mass": None}, ("", "molar_mass", "neither")),
-        ({"mean_free_path": 7e-8}, ("", "molar_mass", "either")),
+        ({"outlet_pressure": None}, ("molar_mass", "outlet_pressure", 101325)),
+        ({"molar_mass": None}, ("molar_mass", "mean_free_path")),
+        ({"mean_free_path": 7e-8}, ("mean_free_path", "molar_mass", 7e-8)),
         ({"mean_free_path": -7e-8, "molar_mass": None}, ("mean_free_path", "zero")),
         ({"molar_mass": -0.03}, ("molar_mass", "positive")),
-        ({"temperature": None}, ("", "molar_mass", "temperature")),
+        ({"temperature": None}, ("temperature", "molar_mass")),
         ({"density": 1.2}, ("density", "molar_mass")),
         ({"pressure_drop": 4e5}, ("pressure_drop", "seal opens")),
     ],

@@ -296,7 +296,7 @@ def test_derivatives():
     step = 1e-4 * x
     by_hand = [(rate(x + h) - rate(x - h)) / (2 * h.sum()) for h in np.diag(step)]
     np.testing.assert_allclose(slopes, by_hand, rtol=1e-4)
-    with pytest.raises(em.InputError, match=r"em.Multiscale\(\) under jit"):
+    with refused("model", "em.Multiscale", "jit"):
         jax.grad(
             lambda p: (
                 em.leak(
@@ -343,29 +343,36 @@ def test_friction_refuses_a_model_of_leaks():
         em.friction(
             RUBBER, ROUGH, velocity=0.1, pressure=1e5, model=em.EffectiveMedium()
         )
-    with pytest.raises(em.InputError, match="model must be em"):
+    with refused("model", "effective medium"):
         em.friction(RUBBER, ROUGH, velocity=0.1, pressure=1e5, model="effective medium")
 
 
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"pressure_drop": 3e5}, "the seal opens"),
-        ({"pressure_drop": -1.0}, "pressure_drop must be positive"),
-        ({"viscosity": 0.0}, "viscosity must be positive"),
-        ({"length": 0.0}, "length must be positive"),
-        ({"density": -1.0}, "density must be positive"),
-        ({"surface": em.Sphere(1e-3)}, "surface must be"),
-        ({"model": "persson"}, "model must be em.Multiscale"),
-        ({"model": em.Persson()}, "for a leak, got Persson"),
-        ({"model": em.Line()}, "for a leak"),
-        ({"material": em.springs(RUBBER, 1e-3, bonded=False)}, "half-space"),
-        ({"material": em.Maxwell(1e6, 1.0), "time": None}, "equilibrium modulus"),
+        ({"pressure_drop": 3e5}, ("pressure_drop", "opens", 300000)),
+        ({"pressure_drop": -1.0}, ("pressure_drop", -1)),
+        ({"viscosity": 0.0}, ("viscosity", 0)),
+        ({"length": 0.0}, ("length", 0)),
+        ({"length": None}, ("length", "pressure")),
+        ({"density": -1.0}, ("density", -1)),
+        ({"surface": em.Sphere(1e-3)}, ("surface", "Sphere")),
+        ({"model": "persson"}, ("model", "em.Multiscale")),
+        ({"model": em.Persson()}, ("model", "leak", "Persson")),
+        ({"model": em.Line()}, ("model", "leak")),
+        (
+            {"material": em.springs(RUBBER, 1e-3, bonded=False)},
+            ("material", "half-space"),
+        ),
+        (
+            {"material": em.Maxwell(1e6, 1.0), "time": None},
+            ("material", "equilibrium"),
+        ),
     ],
 )
 def test_bad_input(change, words):
     given = {"material": RUBBER, "surface": ROUGH, **SCENE, **change}
-    with pytest.raises(em.InputError, match=words):
+    with refused(*words):
         em.leak(**given)
     with refused("closes", 0, 1):
         em.EffectiveMedium(closes=1.0)
@@ -468,7 +475,7 @@ def test_direction_to_a_lay():
     for truth, form in zip(maps, found, strict=True):
         off = abs(np.log(float(truth.rate / form.rate)))
         assert off < np.log1p(form.model_error)
-    with pytest.raises(em.InputError, match="direction must be finite"):
+    with refused("direction", "nan"):
         em.leak(RUBBER, lay, direction=np.nan, **scene)
 
 

@@ -10,6 +10,8 @@ from scipy.linalg import solve_continuous_lyapunov
 
 import elastomdr as em
 
+from ..refused import refused
+
 MODULI, TIMES = np.array([3e6, 2e6, 5e6]), np.array([1e-4, 1e-3, 3e-2])
 BALL = em.Paraboloid(0.01)
 VELOCITY = np.array([0.01, 0.3, 10.0])
@@ -173,13 +175,13 @@ def test_gradient():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"material": em.Foundation(1e6, [], [])}, "dissipates nothing"),
+        ({"material": em.Foundation(1e6, [], [])}, ("material", "relaxation")),
         (
             {"shape": em.Profile([0, 1e-3, 2e-3, 3e-3], [0, 1e-4, 1.5e-4, 3e-4])},
-            "convex",
+            ("shape", "convex"),
         ),
-        ({"velocity": -1.0}, "velocity must be positive"),
-        ({"temperature": 293.15}, "no shift law"),
+        ({"velocity": -1.0}, ("velocity", -1)),
+        ({"temperature": 293.15}, ("", "shift law")),
     ],
 )
 def test_refusals(change, words):
@@ -189,5 +191,5 @@ def test_refusals(change, words):
         "velocity": 1.0,
         "load": 1.0,
     } | change
-    with pytest.raises(em.InputError, match=words):
+    with refused(*words):
         em.dissipation(scene.pop("material"), scene.pop("shape"), **scene)

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.errors import InputError
+
+from ..refused import refused
 
 AMPLITUDE = np.geomspace(1e-4, 0.5, 30)
 SOFT = em.Softening(
@@ -19,6 +20,7 @@ SOFT = em.Softening(
     1 - 0.6 * AMPLITUDE / (0.02 + AMPLITUDE),
     1 + AMPLITUDE / (0.02 + AMPLITUDE),
 )
+
 NONE = em.Softening([1e-3, 1e-1], [1.0, 1.0], [1.0, 1.0])
 VELOCITY = np.geomspace(1e-3, 10, 9)
 
@@ -131,7 +133,7 @@ def test_on_a_layer_the_strain_is_its_compression():
     assert ball.strain == pytest.approx(
         np.sqrt(1 / 3) * ball.depth / thickness, rel=1e-6
     )
-    with pytest.raises(InputError, match="thickness"):
+    with refused("thickness", "em.springs"):
         em.rolling(
             em.Foundation(1e9, [], [], softening=SOFT),
             em.Cylinder(radius, 0.1),

@@ -105,9 +105,9 @@ class AdhesiveShear(Tree):
         not_negative("width", self.width)
         if shift is not None and not isinstance(shift, AbstractShift):
             raise InputError(
-                "shift must be a shift law such as em.Arrhenius(energy, "
-                "reference), "
-                f"got {shift!r}."
+                argument="shift",
+                got=shift,
+                accepted="a shift law such as em.Arrhenius(energy, reference)",
             )
         fill(self, shift=shift)
 
@@ -125,9 +125,7 @@ class AdhesiveShear(Tree):
         decades = xp.log(velocity / self.velocity) / _DECADE
         if self.shift is not None:
             if temperature is None:
-                raise InputError(
-                    "temperature must be given: the adhesion has a shift law."
-                )
+                raise _needs_temperature("the adhesion")
             decades = decades + self.shift.log10_a(temperature)
         elif temperature is not None:
             decades = decades + xp.zeros_like(as_float64("temperature", temperature))
@@ -157,14 +155,20 @@ def check_adhesion(
         return
     if not isinstance(adhesion, AdhesiveShear):
         raise InputError(
-            "adhesion must be an em.AdhesiveShear(stress, velocity, width), got "
-            f"{adhesion!r}."
+            argument="adhesion",
+            got=adhesion,
+            accepted="an em.AdhesiveShear(stress, velocity, width)",
         )
     if adhesion.shift is not None and temperature is None:
-        raise InputError(
-            "adhesion has a shift law and needs a temperature [K]; shift=None "
-            "makes it athermal."
-        )
+        raise _needs_temperature("the adhesion")
+
+
+def _needs_temperature(law: str) -> InputError:
+    return InputError(
+        argument="temperature",
+        accepted=f"given [K], since {law} has a shift law",
+        hint="shift=None makes it athermal",
+    )
 
 
 def shear_law(
@@ -178,7 +182,7 @@ def shear_law(
         positive("boundary_shear", stress)
         shear = AdhesiveShear(stress, 1.0, 0.0)
     if shear.shift is not None and temperature is None:
-        raise InputError("boundary_shear has a shift law and needs a temperature [K].")
+        raise _needs_temperature("boundary_shear")
     return shear
 
 
@@ -339,8 +343,10 @@ def no_area(adhesion: AdhesiveShear | None, subject: str, instead: str) -> None:
     """Refuses adhesion where no area of contact is known. Raises `InputError`."""
     if adhesion is not None:
         raise InputError(
-            f"adhesion acts on the area of real contact, which {subject} does not "
-            f"have: {instead}."
+            argument="adhesion",
+            got=adhesion,
+            accepted=f"left out for {subject}, which has no area of real contact",
+            hint=instead,
         )
 
 

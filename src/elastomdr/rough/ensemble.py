@@ -256,11 +256,16 @@ def ensemble(
     samples. Raises `InputError`.
     """
     if isinstance(surface, RoughLine):
-        if seeds != (0,) or periods != PERIODS:
-            raise InputError(
-                "seeds and periods belong to a surface given by its spectrum; a "
-                "RoughLine is a line already."
-            )
+        for name, given, usual in (
+            ("seeds", seeds, (0,)),
+            ("periods", periods, PERIODS),
+        ):
+            if given != usual:
+                raise InputError(
+                    argument=name,
+                    got=given,
+                    accepted="left out for a RoughLine, which is a line already",
+                )
         factor = 4
         while surface.count * factor < (_SAMPLES if samples is None else samples):
             factor *= 2

@@ -26,7 +26,7 @@ from ..call.extrapolation import excited_outside, rough_beyond
 from ..call.model_choice import is_rough, of_line
 from ..call.problem import Asked
 from ..call.several_materials import over_materials
-from ..checks import in_float64, warn_unless
+from ..checks import in_float64, warn_unless, whole_number
 from ..element.law import Foundation, as_foundation
 from ..errors import InputError
 from ..material.relaxation import Relaxation
@@ -41,7 +41,7 @@ from .line import ensemble_words, surface_words
 from .line_problem import RoughScene, set_up
 from .period import coefficients, motion
 from .periodic import Job, SolvedLine, rises, solve_states
-from .problem import RoughCall
+from .problem import RoughCall, not_rough
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -144,24 +144,15 @@ def friction_spectrum(
 def _check(foundation: Foundation, surface: Surface, per_decade: int) -> None:
     """Raises `InputError` for what has no spectrum of friction."""
     if not is_rough(surface):
-        raise InputError(
-            "surface must be an em.RoughLine, or a surface such as em.SelfAffine, "
-            f"got {surface!r}."
-        )
+        raise not_rough(surface)
     law = foundation.law()
     if not np.any(law.moduli) and not float(law.viscosity):
         raise InputError(
-            "material must have a relaxation time or a dashpot: an elastic one "
-            "dissipates nothing."
+            argument="material",
+            accepted="one with a relaxation time or a dashpot",
+            hint="an elastic one dissipates nothing",
         )
-    if (
-        isinstance(per_decade, bool)
-        or not isinstance(per_decade, (int, np.integer))
-        or not 1 <= per_decade <= 20
-    ):
-        raise InputError(
-            f"per_decade must be a whole number from 1 to 20, got {per_decade!r}."
-        )
+    whole_number("per_decade", per_decade, 1, 20)
 
 
 def _directions(average: bool) -> tuple[np.ndarray, np.ndarray]:

@@ -70,14 +70,12 @@ class Heat(Tree):
     ):
         if road is not None and (not isinstance(road, (tuple, list)) or len(road) != 2):
             raise InputError(
-                "road must be a pair, conductivity and heat capacity, or None, got "
-                f"{road!r}."
+                argument="road",
+                got=road,
+                accepted="a pair, conductivity and heat capacity, or None",
             )
         pairs = [("conductivity", conductivity), ("heat_capacity", heat_capacity)]
-        pairs += [
-            (f"road: {name}", value)
-            for (name, _), value in zip(pairs, road or (), strict=False)
-        ]
+        pairs += [("road", value) for value in road or ()]
         values = []
         for name, value in pairs:
             value = scalar(name, value)
@@ -232,27 +230,38 @@ def check_heat(
     one_of("branch", branch, *get_args(Branch))
     if heat is None:
         if branch != "cold":
-            raise InputError(f"branch={branch!r} needs heat=em.Heat(...).")
+            raise InputError(
+                argument="branch",
+                got=branch,
+                accepted="'cold' without heat=em.Heat(...)",
+            )
         return
     if traced and not by_scale:
         raise InputError(
-            "heat must be left out under jax.grad, jit and vmap with em.Line() and "
-            "em.HalfSpace(), whose flash temperature is not differentiable; with "
-            "em.Multiscale() and em.Persson() it is."
+            argument="heat",
+            accepted="left out under jax.grad, jit and vmap with em.Line() and "
+            "em.HalfSpace()",
+            hint="the flash temperature is differentiable with em.Multiscale() and "
+            "em.Persson() only",
         )
     if not isinstance(heat, Heat):
         raise InputError(
-            f"heat must be an em.Heat(conductivity, heat_capacity), got {heat!r}."
+            argument="heat",
+            got=heat,
+            accepted="an em.Heat(conductivity, heat_capacity)",
         )
     if heat.road is not None and not by_scale:
         raise InputError(
-            "heat: road needs em.Multiscale() or em.Persson(); other models heat "
-            "the rubber alone."
+            argument="road",
+            got=heat.road,
+            accepted="left out of heat without em.Multiscale() or em.Persson()",
+            hint="other models heat the rubber alone",
         )
     if temperature is None:
         raise InputError(
-            "heat needs a temperature [K], that of the rubber without the flash, "
-            "and so a shift law."
+            argument="temperature",
+            accepted="given [K] with heat, that of the rubber without the flash",
+            hint="the material needs a shift law",
         )
 
 

@@ -24,7 +24,7 @@ from .line import surface_words
 from .line_problem import RoughScene, set_up
 from .period import coefficients, motion
 from .periodic import Job, SolvedLine, rises, solve_states
-from .problem import RoughCall
+from .problem import RoughCall, not_rough
 from .results import LineContact
 
 if TYPE_CHECKING:
@@ -81,11 +81,9 @@ def line_contact(
     asked = Asked(velocity, load, depth, pressure, temperature)
     scene = set_up(RoughCall(solid, surface, asked, rtol), model)
     points = scene.at
-    if points.reduced.size != 1:
-        raise InputError(
-            f"velocity, {points.name} and temperature must be single numbers, got "
-            f"{points.shape}."
-        )
+    for name, value in vars(asked).items():
+        if np.size(value) != 1:
+            raise InputError(argument=name, got=value, accepted="a single number")
     ask = LinePoints(points.reduced.ravel(), scene.given, scene.control, float(rtol))
     field = _field(ask.on(scene.lines[0]), points.foundation.law())
     warn_unless(field.line.converged, "points")
@@ -98,15 +96,14 @@ def line_contact(
 def _checked(surface: Surface, model: ModelLike | None) -> Line:
     """The model with its first seed. Raises `InputError`."""
     if not is_rough(surface):
-        raise InputError(
-            "surface must be a rough line or a surface by its spectrum, got "
-            f"{surface!r}."
-        )
+        raise not_rough(surface)
     model = of_line(model, "line_contact")
     if model.average:
         raise InputError(
-            "model must be em.Line() without average in em.line_contact: the "
-            "average has no single field."
+            argument="model",
+            got=model,
+            accepted="em.Line() without average in em.line_contact",
+            hint="the average has no single field",
         )
     return dataclasses.replace(
         model, seeds=1 if isinstance(surface, RoughLine) else seeds_of(model.seeds)[:1]

@@ -84,8 +84,9 @@ def set_up(call: RoughCall, model: Line) -> RoughScene:
     untraced(
         InputError(
             argument="model",
-            accepted="em.Multiscale() or em.Persson(), of a surface under a pressure, under jit, "
-            "grad and vmap",
+            got=model,
+            accepted="em.Multiscale() or em.Persson() under jax.grad, jit and vmap, on "
+            "a surface under a pressure",
             hint="rough lines have no derivatives",
         ),
         surface,
@@ -95,9 +96,11 @@ def set_up(call: RoughCall, model: Line) -> RoughScene:
     check_heat(heat, asked.temperature, call.branch, False)
     if heat is not None and (isinstance(surface, RoughLine) or asked.pressure is None):
         raise InputError(
-            "heat needs a surface given by its spectrum, and a pressure: a line has "
-            "no contact area that is that of a surface, on which the flash "
-            "temperature depends."
+            argument="heat",
+            got=heat,
+            accepted="left out without a pressure on a surface given by its spectrum",
+            hint="the flash temperature depends on the contact area of a surface, "
+            "which a line has not",
         )
     whole_number("periods", model.periods, 1, MOST)
     if model.samples is not None:
@@ -126,8 +129,10 @@ def _length(
     if name != "pressure":
         if equivalent_length is not None:
             raise InputError(
-                "equivalent_length turns a pressure into a line load; it has no "
-                f"meaning with a {name}."
+                argument="equivalent_length",
+                got=equivalent_length,
+                accepted=f"left out with a {name}",
+                hint="it turns a pressure into a line load",
             )
         return (
             None,
@@ -142,9 +147,11 @@ def _length(
         return length, f"; pressure p as line load p L with L = {length:.4g} m as given"
     if not isinstance(surface, AbstractSpectrum):
         raise InputError(
-            "pressure needs model=em.Line(equivalent_length=...) [m] with a "
-            "RoughLine, the width of surface that the line stands for: the load per "
-            "length is pressure times equivalent_length. Or give load, in N/m."
+            argument="equivalent_length",
+            accepted="given to em.Line [m] for a pressure on a RoughLine, the width of "
+            "surface that the line stands for",
+            hint="the load per length is pressure times equivalent_length; or give "
+            "load, in N/m",
         )
     if equivalent_length is None:
         length = float(2 * np.pi / surface.q_low)
@@ -155,8 +162,9 @@ def _length(
         )
     if equivalent_length != FULL:
         raise InputError(
-            f"equivalent_length must be a length [m] or {FULL!r}, got "
-            f"{equivalent_length!r}."
+            argument="equivalent_length",
+            got=equivalent_length,
+            accepted=f"a length [m] or {FULL!r}",
         )
     length = float(surface.full_contact_length)
     return length, (

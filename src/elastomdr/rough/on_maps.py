@@ -138,15 +138,19 @@ def cells_of(surface: AbstractSpectrum, cells: int | None) -> tuple[int, int]:
     if cells is None:
         if longer > LARGEST:
             raise InputError(
-                f"cells must be given for a map that needs {longer} along a side, more "
-                f"than {LARGEST}; or read it with a larger `shortest`."
+                argument="cells",
+                accepted=f"given for a map that needs {longer} along a side, more than "
+                f"{LARGEST}",
+                hint="or read it with a larger `shortest`",
             )
         return least
     if cells % 4 or cells < longer:
         raise InputError(
-            f"cells must be a multiple of 4, at least {longer} along the longer side "
-            f"of the map, got {cells}; a larger `shortest` in em.read_surface needs "
-            "fewer."
+            argument="cells",
+            got=cells,
+            accepted=f"a multiple of 4, at least {longer} along the longer side of the "
+            "map",
+            hint="a larger `shortest` in em.read_surface needs fewer",
         )
     x, y = (4 * int(np.ceil(n * cells / longer / 4)) for n in least)
     return x, y

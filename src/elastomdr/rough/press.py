@@ -55,7 +55,7 @@ from ..surface.lay import lay_of
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
 from ..surface.topography import skewness_of
-from .problem import Resting, resting_body, softening_left_out
+from .problem import Resting, not_rough, resting_body, softening_left_out
 from .results import RoughContact
 
 if TYPE_CHECKING:
@@ -126,8 +126,9 @@ def press(
     traced = is_traced(foundation, surface, pressure, time, velocity, temperature)
     if traced and velocity is not None:
         raise InputError(
-            "velocity cannot be given to em.press under jax.jit, grad or vmap, "
-            "where only rest is computed."
+            argument="velocity",
+            accepted="left out of em.press under jax.jit, grad and vmap",
+            hint="only rest is computed there",
         )
     length, rule = _length(surface, model)
     lines = _lines(surface, model)
@@ -167,21 +168,22 @@ def _checked(
 ) -> tuple[Foundation, Line]:
     """The half-space and the model. Raises `InputError`."""
     if not is_rough(surface):
-        raise InputError(
-            "surface must be a rough line or a surface by its spectrum, got "
-            f"{surface!r}."
-        )
+        raise not_rough(surface)
     foundation = resting_body(material, time)
     chosen = of_line(_USUAL if model is None else model, "press")
     if chosen.average:
         raise InputError(
-            "model must be em.Line() without average in em.press: directions have "
-            "no approach of their own."
+            argument="model",
+            got=model,
+            accepted="em.Line() without average in em.press",
+            hint="directions have no approach of their own",
         )
     if time is not None and velocity is not None:
         raise InputError(
-            "time or velocity must be given, not both: in sliding the contact is "
-            "that of the steady state."
+            argument="time",
+            got=time,
+            accepted="left out with velocity",
+            hint="in sliding the contact is that of the steady state",
         )
     return foundation, chosen
 
@@ -293,9 +295,9 @@ def _length(surface: Surface, model: Line) -> tuple[Any, str]:
         )
     if length is None or isinstance(length, str):
         raise InputError(
-            "model must be em.Line(equivalent_length=...) [m] with a RoughLine in "
-            "em.press, and a length or None with "
-            f"a surface, got {length!r}."
+            argument="equivalent_length",
+            got=length,
+            accepted="given to em.Line with a RoughLine in em.press, a length [m]",
         )
     length = scalar("equivalent_length", length)
     positive("equivalent_length", length)
@@ -317,26 +319,17 @@ def _lines(surface: Surface, model: Line) -> list[RoughLine]:
 
 
 def _at_rest(points: _Points, lines: list[RoughLine], length: Array) -> _PressedContact:
-    load = points.pressure * points.rest.soft * length
-    approaches, gaps, conductances, touching = [], [], [], []
+    load, rows = points.pressure * points.rest.soft * length, []
     for line in lines:
         differ = "rough, with heights that differ"
         require("surface", line.height, differ, lambda heights: np.ptp(heights) > 0)
         on = bearing(line.height)
-        under_load = pressed(on, load)
-        approaches.append(on.mean - under_load.gap)
-        gaps.append(under_load.gap)
-        conductances.append(_conductance(under_load.share, length))
-        touching.append(under_load.share * line.height.size >= 1)
-    return _mean(
-        approaches,
-        gaps,
-        conductances,
-        None,
-        1 / points.rest.soft,
-        points,
-        touching,
-    )
+        _, gap, share = pressed(on, load)
+        conductance = _conductance(share, length)
+        stiffness = 0.5 * conductance / points.rest.soft
+        touches = share * line.height.size >= 1
+        rows.append((on.mean - gap, gap, conductance, stiffness, touches))
+    return _mean(rows, points)
 
 
 def _conductance(share: Array, length: Array | float) -> Any:
@@ -373,8 +366,7 @@ def _sliding(
         for line in lines
     ]
     relaxed = float(foundation.equilibrium)
-    approaches, gaps, conductances, stiffnesses, touching = [], [], [], [], []
-    solutions = on_jax(solve_lines, jobs, foundation.law())
+    solutions, rows = on_jax(solve_lines, jobs, foundation.law()), []
     for line, solution in zip(lines, solutions, strict=True):
         height = np.asarray(line.height)
         # In full contact the difference of depth and load, both large, is rounding.
@@ -382,43 +374,24 @@ def _sliding(
         middle, less, more = np.where(
             solution.share == 1, closed, solution.depth - solution.load / relaxed
         ).reshape(3, -1)
-        touching.append(
-            (solution.share[: load.size] * height.size >= _FEWEST).reshape(points.shape)
-        )
-        approaches.append(middle.reshape(points.shape))
-        gaps.append((closed - middle).reshape(points.shape))
-        conductances.append(
-            np.asarray(_conductance(solution.share[: load.size], length)).reshape(
-                points.shape
-            )
-        )
-        rise = (
-            solution.load.reshape(3, -1)[2] - solution.load.reshape(3, -1)[1]
-        ) / length
-        stiffnesses.append((rise / (more - less)).reshape(points.shape) * vertical)
-    return _mean(approaches, gaps, conductances, stiffnesses, None, points, touching)
+        share = solution.share[: load.size]
+        _, before, after = solution.load.reshape(3, -1) / length
+        stiffness = (after - before) / (more - less) * np.ravel(vertical)
+        touches = share * height.size >= _FEWEST
+        conductance = _conductance(share, length)
+        rows.append((middle, closed - middle, conductance, stiffness, touches))
+    return _mean(rows, points)
 
 
-def _mean(
-    approaches: list[Any],
-    gaps: list[Any],
-    conductances: list[Any],
-    stiffnesses: list[Any] | None,
-    modulus: Array | None,
-    points: _Points,
-    touching: list[Any],
-) -> _PressedContact:
-    """`touching` says where each line touches in enough samples."""
-    approach, gap, conductance = (
-        xp.stack(each) for each in (approaches, gaps, conductances)
+def _mean(rows: list[tuple[Array, ...]], points: _Points) -> _PressedContact:
+    """Of each line approach, gap, conductance, stiffness, and whether it touches in
+    enough samples.
+    """
+    approach, gap, conductance, stiffness, touching = (
+        xp.reshape(xp.stack(each), (-1, *points.shape))
+        for each in zip(*rows, strict=True)
     )
-    mean = xp.mean(conductance, axis=0)
-    if stiffnesses is None:
-        assert modulus is not None  # of a contact at rest
-        stiffness = 0.5 * modulus * mean
-    else:
-        stiffness = xp.mean(xp.stack(stiffnesses), axis=0)
-    count = len(approaches)
+    mean, count = xp.mean(conductance, axis=0), len(rows)
     if count > 1:
         with np.errstate(invalid="ignore"):
             error, far = (
@@ -428,11 +401,11 @@ def _mean(
             error = error / mean
     else:
         error, far = xp.full(points.shape, np.nan), xp.full(points.shape, np.nan)
-    good = xp.isfinite(xp.mean(approach, axis=0)) & xp.all(xp.stack(touching), axis=0)
+    good = xp.isfinite(xp.mean(approach, axis=0)) & xp.all(touching, axis=0)
     return _PressedContact(
         xp.mean(approach, axis=0),
         xp.mean(gap, axis=0),
-        stiffness,
+        xp.mean(stiffness, axis=0),
         mean,
         error,
         far,
@@ -469,8 +442,9 @@ def _times(
     each = as_float64(name, values)
     if each.shape not in ((), (1,), (2,)):
         raise InputError(
-            f"{name} must be a number or a pair, of rubber and counterface, got "
-            f"shape {each.shape}."
+            argument=name,
+            got=values,
+            accepted="a number or a pair, of rubber and counterface",
         )
     positive(name, each)
     return nan_unless(good, conductance / xp.sum(each if inverse else 1 / each))

@@ -54,20 +54,27 @@ class RoughCall:
 
 def resting_body(material: Material, time: ArrayLike | None) -> Foundation:
     """The half-space of rubber that rests on a rough surface. Raises `InputError`."""
-    if isinstance(material, Layer):
+    foundation = None if isinstance(material, Layer) else as_foundation(material)
+    if foundation is None or foundation.per_area:
         raise InputError(
-            "material must be a half-space under a rough surface, whose waves are far "
-            "shorter than a layer is thick, got an em.layer: give its rubber alone."
-        )
-    foundation = as_foundation(material)
-    if foundation.per_area:
-        raise InputError(
-            "material must be a half-space under a rough surface, got independent "
-            "springs: give their rubber alone."
+            argument="material",
+            got=material,
+            accepted="a half-space under a rough surface, whose waves are far shorter "
+            "than a layer is thick",
+            hint="give its rubber alone",
         )
     if time is None:
         check_carries(foundation)
     return foundation
+
+
+def not_rough(surface: object) -> InputError:
+    """What is said of a surface on which there is no contact of a line."""
+    return InputError(
+        argument="surface",
+        got=surface,
+        accepted="an em.RoughLine, or a surface such as em.SelfAffine",
+    )
 
 
 class Resting(NamedTuple):

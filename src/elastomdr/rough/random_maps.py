@@ -63,18 +63,21 @@ def grid_of(
         cells = 32 * int(np.ceil(SAMPLES * ratio * (periods or 0) / 32 - 1e-9))
         if cells > LARGEST:
             raise InputError(
-                "cells must be given for a surface whose cutoffs are a factor of "
-                f"{ratio:.3g} apart: {cells} to a side "
-                "would be needed. em.Multiscale() needs no map; or lower the upper "
-                "cutoff."
+                argument="cells",
+                accepted="given for a surface whose cutoffs are a factor of "
+                f"{ratio:.3g} apart",
+                hint=f"{cells} to a side would be needed; em.Multiscale() needs no "
+                "map, or lower the upper cutoff",
             )
     if periods is None:
         periods = int(cells / (SAMPLES * ratio))
     least = int(np.ceil(SAMPLES * ratio * max(periods, 1) - 1e-9))
     if cells % 4 or periods < 1 or cells < least:
         raise InputError(
-            f"cells must be a multiple of 4, at least {least} for {SAMPLES} per "
-            f"shortest wave, got {cells}."
+            argument="cells",
+            got=cells,
+            accepted=f"a multiple of 4, at least {least} for {SAMPLES} per shortest "
+            "wave",
         )
     return MapGrid(cells, periods, float(2 * np.pi * periods / spectrum.q_low))
 

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ..checks import significant
-from ..errors import InputError
+from ..checks import one_of, significant
 from ..results.base import Array, Result, quantity, record
 from ..results.words import span
 
@@ -205,10 +204,7 @@ class RoughContact(Result):
             against = max(
                 known, key=lambda name: np.unique(np.asarray(getattr(self, name))).size
             )
-        if against not in known:
-            raise InputError(
-                f"against must be one of {', '.join(known)}, got {against!r}."
-            )
+        one_of("against", against, *known)
         from ..results.plot_contacts import draw_rough_contact
         from ..results.plotting import DrawAsk
 

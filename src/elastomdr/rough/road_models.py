@@ -144,7 +144,9 @@ class Persson(_ClosedIntegrals):
             or not isinstance(self.gamma, (int, float))
             or not 0 <= self.gamma <= 1
         ):
-            raise InputError(f"gamma must be a number from 0 to 1, got {self.gamma!r}.")
+            raise InputError(
+                argument="gamma", got=self.gamma, accepted="a number from 0 to 1"
+            )
 
     def words(self) -> str:
         where = "in mu and in G" if self.stored else "in mu"
@@ -225,6 +227,7 @@ class HalfSpace(SurfaceModel):
         untraced(
             InputError(
                 argument="model",
+                got=self,
                 accepted="em.Multiscale() or em.Persson() under jit, grad and vmap",
             ),
             problem,

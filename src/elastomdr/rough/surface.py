@@ -262,7 +262,9 @@ def _solved(
         return _heated_by_scale(call, call.heat, model, by_wave, scene, answer)
     if call.adhesion is not None:
         raise InputError(
-            f"heat with adhesion needs em.Multiscale() or em.Persson(), got {model!r}."
+            argument="model",
+            got=model,
+            accepted="em.Multiscale() or em.Persson() for heat with adhesion",
         )
     return _heated(call, call.heat, model, scene, answer)
 
@@ -814,8 +816,9 @@ def _set_up(
     scene = scene._replace(traced=traced)
     if asked.direction is not None and not model.takes_direction:
         raise InputError(
-            "direction needs em.Multiscale(), em.Persson() or em.HalfSpace(), got "
-            f"{model!r}."
+            argument="direction",
+            got=asked.direction,
+            accepted="left out without em.Multiscale(), em.Persson() or em.HalfSpace()",
         )
     check_heat(
         heat,

@@ -174,8 +174,9 @@ def break_out(
     chosen: Any = as_model(model, _KINDS) or Multiscale()
     if chosen.label not in _KINDS:
         raise InputError(
-            "model must be em.Multiscale() or em.Persson() for a break-out, got "
-            f"{chosen!r}."
+            argument="model",
+            got=chosen,
+            accepted="em.Multiscale() or em.Persson() for a break-out",
         )
     shear = shear_law(boundary_shear, temperature)
     arrays = positive_arrays(

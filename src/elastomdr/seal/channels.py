@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
+from ..checks import untraced
+from ..errors import InputError
 from ..rough.local_modulus import SoftenedByScale
 from ..rough.problem import STRAIN_SHARE
 
@@ -46,6 +48,12 @@ class RoughSeal(NamedTuple):
             return None
         share = np.asarray(times * STRAIN_SHARE)
         return SoftenedByScale(self.softening, self.surface, share)
+
+
+def no_derivatives(*values: object) -> None:
+    """Raises `InputError` where JAX traces one of the values."""
+    accepted = "em.Multiscale() under jit, grad and vmap"
+    untraced(InputError(argument="model", accepted=accepted), *values)
 
 
 class Channels(ABC):

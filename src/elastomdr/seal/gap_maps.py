@@ -33,16 +33,12 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from ..arrays import Array, one_thread
-from ..checks import (
-    untraced,
-)
-from ..errors import InputError
 from ..rough.half_space import area_of, solve, waves
 from ..rough.random_maps import MapGrid, grid_of
 from ..surface.lay import lay_of
 from ..surface.spectrum import AbstractSpectrum, rough_map
 from ..surface.topography import skewness_of
-from .channels import Channels, GapFlow, RoughSeal
+from .channels import Channels, GapFlow, RoughSeal, no_derivatives
 from .leak_form import of_heights, of_skewness
 
 _LEAST = -200.0  # log of w over the largest flow: below it a medium is closed
@@ -308,13 +304,7 @@ class MappedChannels(Channels):
         along their first axis; without one both axes are taken as one medium.
         """
         surface, softening, direction = rough
-        untraced(
-            InputError(
-                argument="model", accepted="em.Multiscale() under jit, grad and vmap"
-            ),
-            rough,
-            relative_pressure,
-        )
+        no_derivatives(rough, relative_pressure)
         grid = grid_of(surface, self.cells, self.periods)
         flat, shape = np.ravel(relative_pressure), relative_pressure.shape
         turned = direction is not None and lay_of(surface) is not None

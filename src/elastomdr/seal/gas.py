@@ -60,29 +60,39 @@ def check_gas(given: LeakGiven) -> None:
         for name, value in (("mean_free_path", path), ("molar_mass", mass)):
             if value is not None:
                 raise InputError(
-                    f"{name} belongs to a gas: give outlet_pressure [Pa] as well, the "
-                    "absolute pressure behind the seal, 101325 for the atmosphere."
+                    argument=name,
+                    got=value,
+                    accepted="left out without outlet_pressure, which a gas has",
+                    hint="it is the absolute pressure behind the seal [Pa], 101325 for "
+                    "the atmosphere",
                 )
         return
-    if (path is None) == (mass is None):
+    if path is None and mass is None:
         raise InputError(
-            "outlet_pressure makes the fluid a gas: give either molar_mass [kg/mol], "
-            "with temperature, or mean_free_path [m] at the outlet (0: without slip), "
-            f"got {'neither' if path is None else 'both'}."
+            argument="molar_mass",
+            accepted="given for a gas [kg/mol], with temperature",
+            hint="or mean_free_path [m] at the outlet (0: without slip); the fluid is "
+            "a gas with outlet_pressure",
         )
+    if path is not None and mass is not None:
+        accepted = "left out with molar_mass, which gives it"
+        raise InputError(argument="mean_free_path", got=path, accepted=accepted)
     if mass is not None and given.temperature is None:
         raise InputError(
-            "temperature [K] must be given with molar_mass: the mean free path of a gas "
-            "depends on it. A rubber without a shift law is then the same at every "
-            "temperature."
+            argument="temperature",
+            accepted="given [K] with molar_mass",
+            hint="the mean free path of a gas depends on it; a rubber without a shift "
+            "law is then the same at every temperature",
         )
     if mass is not None:
         accepted = "in kg/mol, at most 1 (0.028 of nitrogen)"
         require("molar_mass", mass, accepted, lambda x: (x > 0) & (x <= 1))
     if mass is not None and given.density is not None:
         raise InputError(
-            "density must be left out with molar_mass, which gives that of the gas at "
-            "the outlet."
+            argument="density",
+            got=given.density,
+            accepted="left out with molar_mass, which gives that of the gas at the "
+            "outlet",
         )
 
 

@@ -29,6 +29,7 @@ from ..checks import (
     is_traced,
     nan_unless,
     not_negative,
+    numbers_only,
     only_one,
     positive,
     possible,
@@ -226,7 +227,8 @@ class Leak(Result):
         along, places = self.profile, as_float64("x", x)
         if along is None or is_traced(places):
             raise InputError(
-                "fluid_pressure cannot be called under jax.jit, grad or vmap."
+                argument="x",
+                accepted="in plain numbers, of a leak outside jax.jit, grad and vmap",
             )
         every = zip(
             along.x.reshape(-1, along.x.shape[-1]),
@@ -303,8 +305,10 @@ def _channels(model: Model | str | None) -> Channels:
     chosen = as_model(model, KINDS) or Multiscale()
     if type(chosen) not in _CHANNELS:
         raise InputError(
-            "model must be em.Multiscale(), em.CriticalConstriction(), "
-            f"em.EffectiveMedium() or em.HalfSpace() for a leak, got {chosen!r}."
+            argument="model",
+            got=chosen,
+            accepted="em.Multiscale(), em.CriticalConstriction(), "
+            "em.EffectiveMedium() or em.HalfSpace() for a leak",
         )
     return _CHANNELS[type(chosen)](chosen)
 
@@ -470,14 +474,7 @@ def leak(
 
 def _angle(direction: float) -> float:
     """The direction of the flow [rad]. Raises `InputError`."""
-    untraced(
-        InputError(
-            argument="direction",
-            accepted="a plain number under jit, grad and vmap",
-            hint="bounds alone depend on it",
-        ),
-        direction,
-    )
+    numbers_only({"direction": direction}, "bounds alone depend on it")
     angle: Any = scalar("direction", direction)
     require("direction", angle, "finite [rad]", np.isfinite)
     return float(angle)
@@ -505,14 +502,10 @@ def _seal(
     only_one({"pressure": pressure, "profile": profile, "o_ring": ring})
     if pressure is not None:
         if length is None:
-            raise InputError("length must be given with pressure [m], got None.")
+            raise InputError(argument="length", accepted="given with pressure [m]")
         return _Seal(pressure, length, pressure)
     untraced(
-        InputError(
-            argument="pressure",
-            accepted="given under jit, grad and vmap, in place of profile or o_ring",
-            hint="their flow is searched with concrete numbers",
-        ),
+        _pressure_alone(),
         profile,
         ring,
         length,
@@ -554,13 +547,22 @@ def _of_hertz(ring: ORing, length: ArrayLike | None) -> _Seal:
     )  # fmt: skip
 
 
+def _pressure_alone() -> InputError:
+    return InputError(
+        argument="pressure",
+        accepted="given under jax.jit, grad and vmap, in place of profile or o_ring",
+        hint="their flow is searched with concrete numbers",
+    )
+
+
 def _check_length(length: ArrayLike | None, known: Array | float, whose: str) -> None:
     if length is None:
         return
     if not np.allclose(as_float64("length", length), known, rtol=1e-6, atol=0):
         raise InputError(
-            f"length must be left out: it is that of {whose}, {brief(known, 'm')}, got "
-            f"{brief(length, 'm')}."
+            argument="length",
+            got=length,
+            accepted=f"left out, or that of {whose}, {brief(known, 'm')}",
         )
 
 
@@ -570,7 +572,9 @@ def _of_ring(name: str, value: ArrayLike | None, of_ring: Array | None) -> Any:
         return of_ring if value is None else value
     if not np.allclose(as_float64(name, value), of_ring, rtol=1e-9, atol=0):
         raise InputError(
-            f"{name} must be that of the O-ring, {of_ring}, or be left out, got {value}."
+            argument=name,
+            got=value,
+            accepted=f"left out, or that of the O-ring, {of_ring}",
         )
     return of_ring
 
@@ -584,11 +588,7 @@ def _along(
     soft, drop, (expands, path) = pressed.soft, pressed.drop, pressed.fluid
     arrays = (soft, drop, expands, path, seal.length, seal.peak)
     untraced(
-        InputError(
-            argument="pressure",
-            accepted="given under jit, grad and vmap, in place of profile or o_ring",
-            hint="their flow is searched with concrete numbers",
-        ),
+        _pressure_alone(),
         pressed.rough,
         *arrays,
     )
@@ -649,9 +649,11 @@ def _checked(arguments: dict[str, ArrayLike | None], peak: ArrayLike) -> LeakGiv
     if kinematic is not None:
         if "density" not in arrays or "outlet_pressure" in arrays:
             raise InputError(
-                "kinematic_viscosity [m^2/s] needs the density [kg/m^3] of a liquid: "
-                "their product is the dynamic viscosity, which a gas has at every "
-                "pressure."
+                argument="kinematic_viscosity",
+                got=kinematic,
+                accepted="given [m^2/s] with the density [kg/m^3] of a liquid",
+                hint="their product is the dynamic viscosity, which a gas has at every "
+                "pressure",
             )
         arrays["viscosity"] = kinematic * arrays["density"]
     given = LeakGiven(**arrays)
@@ -663,11 +665,12 @@ def _checked(arguments: dict[str, ArrayLike | None], peak: ArrayLike) -> LeakGiv
         worst = int(np.argmax(pairs[0] - pairs[1]))
         high, low = (float(x.flat[worst]) for x in pairs)
         raise InputError(
-            "pressure_drop must be below pressure, got "
-            f"{high:g} Pa at {low:g} Pa: a fluid that presses harder than the rubber "
-            "lifts it, and the seal opens. For a seal on which the fluid "
-            "presses, such as an O-ring, give the sum of both pressures, that of "
-            "the squeeze and that of the fluid."
+            argument="pressure_drop",
+            got=high,
+            accepted=f"below pressure, {low:g} Pa",
+            hint="a fluid that presses harder than the rubber lifts it, and the seal "
+            "opens; for a seal on which the fluid presses, such as an O-ring, give the "
+            "sum of both pressures, that of the squeeze and that of the fluid",
         )
     return given
 

@@ -18,14 +18,11 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..checks import (
-    untraced,
-)
 from ..errors import InputError
 from ..models import Model
 from ..rough.psd_integrals import PER_DECADE, nodes
 from ..units.arguments import constructor_in_si
-from .channels import Channels, GapFlow, RoughSeal
+from .channels import Channels, GapFlow, RoughSeal, no_derivatives
 from .gap_maps import effective_medium
 from .persson_gap import (
     CLOSES,
@@ -53,13 +50,7 @@ class LeakTheory(Model, Channels):
 
     def flow(self, rough: RoughSeal, relative_pressure: Array) -> GapFlow:
         surface, softened = rough.surface, rough.softened()
-        untraced(
-            InputError(
-                argument="model", accepted="em.Multiscale() under jit, grad and vmap"
-            ),
-            rough,
-            relative_pressure,
-        )
+        no_derivatives(rough, relative_pressure)
         fine, coarse = (nodes(surface, count) for count in (2 * PER_DECADE, PER_DECADE))
         flat, shape = np.ravel(relative_pressure), relative_pressure.shape
         contacts = contact_of(fine, flat, softened)
@@ -123,7 +114,7 @@ class EffectiveMedium(LeakTheory):
         number = isinstance(self.closes, (int, float))
         if isinstance(self.closes, bool) or not number or not 0 < self.closes < 1:
             raise InputError(
-                f"closes must be a number between 0 and 1, got {self.closes!r}."
+                argument="closes", got=self.closes, accepted="a number between 0 and 1"
             )
 
     def words(self) -> str:

@@ -37,9 +37,9 @@ from ..call.several_materials import over_materials
 from ..checks import (
     broadcast_shape,
     in_kelvin,
+    numbers_only,
     one_of,
     positive_arrays,
-    untraced,
     warn_unless,
 )
 from ..element.law import as_foundation
@@ -301,15 +301,18 @@ def lubricated(
     gap. Source: `docs/seal.md`; Giacopini et al., J. Tribol. 132 (2010) 041702; Patir &
     Cheng, J. Lubr. Technol. 100 (1978) 12.
     """
-    given = (material, shape, velocity, load, viscosity, temperature, time, surface)
-    untraced(
-        InputError(
-            argument="material",
-            accepted="called outside jit, grad and vmap, as all of em.lubricated",
-            hint="it searches with concrete numbers",
-        ),
-        *given,
-        boundary_shear,
+    numbers_only(
+        {
+            "material": material,
+            "shape": shape,
+            "velocity": velocity,
+            "load": load,
+            "viscosity": viscosity,
+            "temperature": temperature,
+            "time": time,
+            "surface": surface,
+            "boundary_shear": boundary_shear,
+        }
     )
     solid: Any = material  # `over_materials` has taken a list apart
     scene = _checked(
@@ -387,15 +390,18 @@ def _checked(
     """The arguments, checked and broadcast. Raises `InputError`."""
     if not isinstance(shape, Cylinder):
         raise InputError(
-            f"shape must be an em.Cylinder(radius, length) under a film, got {shape!r}."
+            argument="shape",
+            got=shape,
+            accepted="an em.Cylinder(radius, length) under a film",
         )
     if surface is not None:
         as_spectrum("surface", surface)
     one_of("rubber", rubber, *MOTIONS)
     if time is not None and rubber != "rests":
         raise InputError(
-            "time must be left out for rubber that moves through the contact, got "
-            f"{time}."
+            argument="time",
+            got=time,
+            accepted="left out for rubber that moves through the contact",
         )
     arrays = positive_arrays(
         {
@@ -444,8 +450,11 @@ def _checked_shear(
         return None
     if surface is None:
         raise InputError(
-            "boundary_shear acts where a rough surface touches: give surface, or leave "
-            "it out on a smooth one, which the film keeps apart."
+            argument="boundary_shear",
+            got=shear,
+            accepted="left out without a rough surface",
+            hint="it acts where that touches, and the film keeps a smooth one apart; "
+            "give surface",
         )
     return shear_law(shear, temperature)
 
@@ -613,7 +622,11 @@ def _at_rest(layer: Layer, held: float | None) -> Layer:
     """The layer as an elastic one, of its modulus long after or after a time."""
     material = layer.material
     if not isinstance(material, Prony):
-        raise InputError("material must be an em.Prony as a layer under a film.")
+        raise InputError(
+            argument="material",
+            got=material,
+            accepted="an em.Prony as a layer under a film",
+        )
     shear = material.shear()
     modulus = shear.equilibrium if held is None else 1 / shear.creep_compliance(held)
     elastic = replaced(

@@ -291,8 +291,9 @@ def o_ring(
     )
     if not possible(lambda young: np.all(young > 0), young):
         raise InputError(
-            "time must be given for a material without an equilibrium modulus: it "
-            "relaxes completely."
+            argument="time",
+            accepted="given for a material without an equilibrium modulus",
+            hint="it relaxes completely",
         )
     load, width = _load_and_width(given, young, plane, formula)
     ends = [_load_and_width(given, young, plane, name)[0] for name in ("held", "free")]
@@ -348,9 +349,11 @@ def _checked_material(material: object) -> Prony:
     needs_series("material", material, "a squeezed cord")
     if not isinstance(material, Prony):
         raise InputError(
-            "material must be that of the cord (em.Prony, em.load_material(...)), "
-            "not a foundation: the load depends on Young's modulus, got "
-            f"{material!r}."
+            argument="material",
+            got=material,
+            accepted="that of the cord (em.Prony, em.load_material(...)), not a "
+            "foundation",
+            hint="the load depends on Young's modulus",
         )
     return material
 
@@ -433,11 +436,14 @@ def check_rubber(material: object, ring: object) -> None:
     ring tell, E* = 8 W d/(pi (2a)^2).
     """
     if not isinstance(ring, ORing):
-        raise InputError(f"o_ring must be a result of em.o_ring(...), got {ring!r}.")
+        raise InputError(
+            argument="o_ring", got=ring, accepted="a result of em.o_ring(...)"
+        )
     if not isinstance(material, Prony):
         raise InputError(
-            "material must be the rubber of the O-ring (em.Prony, em.load_material(...))"
-            f", got {material!r}."
+            argument="material",
+            got=material,
+            accepted="the rubber of the O-ring (em.Prony, em.load_material(...))",
         )
     law = normal_operator(material)
     modulus = np.asarray(_modulus(law, material, ring.time, ring.temperature))
@@ -448,9 +454,11 @@ def check_rubber(material: object, ring: object) -> None:
         i = int(np.argmin(fits))
         modulus = np.broadcast_to(modulus, fits.shape)
         raise InputError(
-            "material must be the rubber of the O-ring, whose modulus E* is "
-            f"{known.flat[i]:.4g} Pa at its time and temperature, got {material!r} of "
-            f"{modulus.flat[i]:.4g} Pa."
+            argument="material",
+            got=material,
+            accepted="the rubber of the O-ring, whose modulus E* is "
+            f"{known.flat[i]:.4g} Pa at its time and temperature",
+            hint=f"this one has {modulus.flat[i]:.4g} Pa",
         )
 
 

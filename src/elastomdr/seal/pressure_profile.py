@@ -32,21 +32,26 @@ def pressure_profile(profile: Profile | None, fewest: int) -> tuple[Array, Array
         profile = _read(Path(profile))
     if not isinstance(profile, (tuple, list)) or len(profile) != 2:
         raise InputError(
-            "profile must be a pair, positions [m] and pressures [Pa], or a file, got "
-            f"{profile!r}."
+            argument="profile",
+            got=profile,
+            accepted="a pair, positions [m] and pressures [Pa], or a file",
         )
     x, p = (as_float64("profile", each) for each in profile)
     for each in (x, p):
         require("profile", each, "finite numbers", np.isfinite)
     if x.ndim != 1 or x.shape != p.shape or x.size < fewest:
         raise InputError(
-            f"profile must have {fewest} positions or more and as many pressures, got "
-            f"shapes {x.shape} and {p.shape}."
+            argument="profile",
+            got=profile,
+            accepted=f"of {fewest} positions or more and as many pressures",
+            hint=f"they have the shapes {x.shape} and {p.shape}",
         )
     if not (np.diff(x) > 0).all():
         raise InputError(
-            "profile must have ascending positions, from the side of the fluid to that "
-            "of the air."
+            argument="profile",
+            got=x,
+            accepted="of ascending positions, from the side of the fluid to that of "
+            "the air",
         )
     doubt_units(x, p)
     return x, p
@@ -57,13 +62,18 @@ def _read(path: Path) -> tuple[Array, Array]:
     try:
         lines = read_text(path, _MOST_BYTES).splitlines()
     except (OSError, ValueError) as error:
-        raise InputError(f"profile must be a text file, got {path}: {error}.") from None
+        raise InputError(
+            argument="profile", got=path, accepted="a text file", hint=str(error)
+        ) from None
     title, *lines = [line for line in lines if line.strip()] or [""]
     units = re.findall(r"\[([^\[\]]*)\]", title)
     if len(units) != 2 or units[0] not in _LENGTHS or units[1] not in _PRESSURES:
         raise InputError(
-            f"profile {path} must begin with a title line such as 'position [mm], "
-            f"pressure [MPa]', got {title[:200] or 'an empty file'!r}."
+            argument="profile",
+            got=path,
+            accepted="a file that begins with a title line such as 'position [mm], "
+            "pressure [MPa]'",
+            hint=f"it begins with {title[:200]!r}",
         )
     separator = next((mark for mark in ";\t" if mark in title), ",")
     if separator != ",":  # a comma is then one of decimals
@@ -71,7 +81,11 @@ def _read(path: Path) -> tuple[Array, Array]:
     try:
         numbers = np.loadtxt(lines or ["nan"], delimiter=separator, ndmin=2)
     except ValueError as error:
-        raise InputError(f"profile {path} must hold numbers: {error}.") from None
+        accepted = "a file of numbers below its title line"
+        raise InputError(
+            argument="profile", got=path, accepted=accepted, hint=str(error)
+        ) from None
     if numbers.shape[1] != 2:
-        raise InputError(f"profile {path} must have two columns.")
+        accepted = "a file of two columns"
+        raise InputError(argument="profile", got=path, accepted=accepted)
     return numbers[:, 0] * _LENGTHS[units[0]], numbers[:, 1] * _PRESSURES[units[1]]

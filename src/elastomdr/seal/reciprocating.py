@@ -40,9 +40,10 @@ from ..call.extrapolation import pressed_as_none_is
 from ..checks import (
     broadcast,
     in_si,
+    numbers_only,
+    only_one,
     positive_arrays,
     scalar,
-    untraced,
 )
 from ..errors import InputError, ModelWarning, quiet, warn, warned_once
 from ..material.prony import Prony
@@ -169,17 +170,26 @@ def reciprocating(
     the film in thinner, by a rule (`docs/seal.md`). Between strokes no fluid is lost
     from the rod. Source: Blok 1963; Mueller & Nau 1998.
     """
-    given = (velocity_out, velocity_in, stroke, viscosity, width)
-    _refuse_traced(material, profile, o_ring, given)
+    numbers_only(
+        {
+            "material": material,
+            "profile": profile,
+            "o_ring": o_ring,
+            "velocity_out": velocity_out,
+            "velocity_in": velocity_in,
+            "stroke": stroke,
+            "viscosity": viscosity,
+            "width": width,
+        }
+    )
     if not (material is None or isinstance(material, Prony)):
         raise InputError(
-            "material must be one rubber (em.Prony, em.load_material(...)), that of the "
-            f"O-ring, got {material!r}."
+            argument="material",
+            got=material,
+            accepted="one rubber (em.Prony, em.load_material(...)), that of the O-ring",
         )
-    if (profile is None) == (o_ring is None):
-        got = "neither" if profile is None else "both"
-        raise InputError(f"profile or o_ring must be given, and only one, got {got}.")
-    motion = _motion(*given)
+    only_one({"profile": profile, "o_ring": o_ring})
+    motion = _motion(velocity_out, velocity_in, stroke, viscosity, width)
     if profile is not None:
         strokes = _of_profile(profile, motion)
         model, plan = "inverse theory", "closed form"
@@ -205,27 +215,6 @@ class _Strokes(NamedTuple):
     source: str
     leaving: _Carried
     entering: _Carried
-
-
-def _refuse_traced(
-    material: Prony | None,
-    profile: Profile | None,
-    ring: ORing | None,
-    motion: tuple[ArrayLike, ...],
-) -> None:
-    """Raises `InputError` for what JAX traces."""
-    of_ring = (ring.width, ring.line_load) if isinstance(ring, ORing) else ()
-    untraced(
-        InputError(
-            argument="material",
-            accepted="called outside jit, grad and vmap, as all of em.reciprocating",
-            hint="it searches with concrete numbers",
-        ),
-        material,
-        profile,
-        of_ring,
-        motion,
-    )
 
 
 def _motion(
@@ -332,8 +321,10 @@ def _of_profile(profile: Profile, motion: _Motion) -> _Strokes:
     slope = np.diff(p)
     if not (slope.max() > 0 > slope.min()):
         raise InputError(
-            "profile must rise on the side of the fluid and fall on that of the air: "
-            "it has one flank only."
+            argument="profile",
+            got=profile,
+            accepted="one that rises on the side of the fluid and falls on that of the "
+            "air",
         )
     strokes = _Strokes(
         f"{x.size} points of a pressure profile",
@@ -394,10 +385,10 @@ def _of_ring(material: Prony | None, ring: ORing | None, motion: _Motion) -> _St
     """Both strokes under an O-ring, and what it is."""
     if not isinstance(ring, ORing) or np.size(ring.width) != 1:
         raise InputError(
-            f"o_ring must be a single point of em.o_ring(...), got {ring!r}."
+            argument="o_ring", got=ring, accepted="a single point of em.o_ring(...)"
         )
     if material is None:
-        raise InputError("material must be the rubber of the O-ring, got None.")
+        raise InputError(argument="material", accepted="given with o_ring")
     pressure = float(np.ravel(ring.pressure)[0])
     check_rubber(material, ring)
     fluid, air_side = 0.0, pressure

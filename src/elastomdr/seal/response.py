@@ -57,15 +57,20 @@ def bodies_of(material: Material) -> list[SealBody]:
         foundation = as_foundation(material)
         if foundation.per_area:
             raise InputError(
-                "material must be a half-space (the material itself) or an em.layer "
-                "under a film, got em.springs: independent springs have no smooth film."
+                argument="material",
+                got=material,
+                accepted="a half-space (the material itself) or an em.layer under a "
+                "film",
+                hint="independent springs have no smooth film",
             )
         return [SealBody(_chain(foundation.law()), None, 0.0, True)]
     for cover in material.covers:
         if not cover.constant:
             raise InputError(
-                "material must have a constant Poisson's ratio as a layer under a "
-                "film, got a bulk modulus: give poisson=0.5 in its place."
+                argument="material",
+                got=material,
+                accepted="of a constant Poisson's ratio as a layer under a film",
+                hint="give poisson=0.5 in place of the bulk modulus",
             )
     return [
         SealBody(
@@ -81,8 +86,9 @@ def bodies_of(material: Material) -> list[SealBody]:
 def _chain(law: Relaxation) -> KelvinChain:
     if float(law.equilibrium) == 0:
         raise InputError(
-            "material must have an equilibrium modulus under a film, got a liquid, "
-            "which sinks without end."
+            argument="material",
+            accepted="a solid with an equilibrium modulus under a film",
+            hint="a liquid sinks without end",
         )
     return to_kelvin(law)
 

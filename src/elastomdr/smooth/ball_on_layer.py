@@ -31,7 +31,7 @@ from ..surface.direction import (
     layer_asymmetry,
     shared_grid,
 )
-from ..surface.shapes import AbstractShape, FlatPunch, PowerLaw
+from ..surface.shapes import AbstractShape
 from .layer_line import (
     Slid,
     Sliding,
@@ -40,7 +40,15 @@ from .layer_line import (
     line_between,
     slide_on_layer,
 )
-from .problem import LayerPlan, OnLayer, SmoothCall, Solved, on_layer_packed, too_deep
+from .problem import (
+    LayerPlan,
+    OnLayer,
+    SmoothCall,
+    Solved,
+    check_edge,
+    on_layer_packed,
+    too_deep,
+)
 from .softening import LINEAR
 
 AVERAGED = (
@@ -154,7 +162,7 @@ def ball_on_layer(call: SmoothCall) -> OnLayer:
 def _set_up(call: SmoothCall) -> _BallScene:
     material, shape, rtol = call.material, call.shape, call.rtol
     assert isinstance(material, Layer)  # or the call would not come here
-    _check_shape(shape)
+    check_edge(shape)
     chosen = of_smooth(call.model, call.quantity, shape.label)
     check_rtol(rtol)
     points = steady_scene(material, shape, call.asked)
@@ -188,7 +196,9 @@ def _set_up(call: SmoothCall) -> _BallScene:
 def _check_depth(points: SteadyScene, thick: Array) -> None:
     if points.traced:
         raise InputError(
-            "load must be given on a layer under jit, grad and vmap, not depth."
+            argument="depth",
+            accepted="left out on a layer under jit, grad and vmap",
+            hint="give load",
         )
     require(
         "depth",
@@ -221,18 +231,6 @@ def _asymmetric(
     return mean.mu * factor, error * factor * (1 + off.sensitivity), bound
 
 
-def _check_shape(shape: AbstractShape) -> None:
-    if isinstance(shape, FlatPunch):
-        raise InputError(
-            "shape must not be a FlatPunch in sliding or rolling: its sharp edge "
-            "strains the surface at an infinite rate."
-        )
-    if isinstance(shape, PowerLaw) and shape.exponent < 1:
-        raise InputError(
-            f"exponent must be 1 or more in sliding, got {shape.exponent:g}."
-        )
-
-
 def _check_covers(material: Layer) -> None:
     """Raises `InputError` for liquids and parallel dashpots."""
     for cover in material.covers:
@@ -241,14 +239,16 @@ def _check_covers(material: Layer) -> None:
         law: Any = cover.normal()
         if certain(lambda x: x > 0, law.viscosity):
             raise InputError(
-                "material must have no parallel dashpot on a layer under a ball or a "
-                f"cone, got viscosity {float(law.viscosity):.4g} Pa s: its pressure at "
-                "the edge is of another kind. Give a branch with a short time."
+                argument="material",
+                accepted="without a parallel dashpot on a layer under a ball or a cone",
+                hint=f"it has a viscosity of {float(law.viscosity):.4g} Pa s, whose "
+                "pressure at the edge is of another kind; give a branch with a short "
+                "time",
             )
         if certain(lambda x: x <= 0, law.equilibrium):
             raise InputError(
-                "material must be a solid on a layer in sliding, got equilibrium "
-                "modulus 0."
+                argument="material",
+                accepted="a solid with an equilibrium modulus on a layer in sliding",
             )
 
 

@@ -223,10 +223,12 @@ def _checked_body(call: SmoothCall) -> Body:
     body = material if isinstance(material, Layer) else surface_foundation(material)
     if depth is not None and not isinstance(body, Layer):
         raise InputError(
-            "depth must be left out for a cylinder on a half-space, where it has no "
-            "meaning in plane strain (it grows "
-            "with the logarithm of the distance from which it is counted), got "
-            f"{depth}: give load, or an em.layer."
+            argument="depth",
+            got=depth,
+            accepted="left out for a cylinder on a half-space, where it has no meaning "
+            "in plane strain (it grows with the logarithm of the distance from which "
+            "it is counted)",
+            hint="give load, or an em.layer",
         )
     return body
 
@@ -244,9 +246,10 @@ def _covers(body: Body, reduced: Array) -> tuple[tuple[Cover, ...], float]:
     law = body.law()
     if certain(lambda x: x == 0, law.equilibrium):
         raise InputError(
-            "material must have an equilibrium modulus under a cylinder on a "
-            "half-space, got a liquid: in plane strain it sinks without end. Give "
-            "an em.layer."
+            argument="material",
+            accepted="a solid with an equilibrium modulus under a cylinder on a "
+            "half-space",
+            hint="in plane strain it sinks into a liquid without end; give an em.layer",
         )
     return (Cover(to_kelvin(law)),), 0.0
 
@@ -614,36 +617,41 @@ def _separable(body: Body, given: tuple[Any, ...]) -> Any:
     """The law of a body whose branches can be told from each other. Raises
     `InputError`.
     """
-    untraced(
-        InputError(
-            argument="material",
-            accepted="called outside jit, grad and vmap for the losses of a layer by branch",
-        ),
-        body,
-        given,
+    error = InputError(
+        argument="material",
+        accepted="in plain numbers, outside jax.jit, grad and vmap",
+        hint="so are the losses of a layer by branch",
     )
+    untraced(error, body, given)
     if isinstance(body, TabulatedFoundation) or isinstance(
         getattr(body, "material", None), TabulatedModulus
     ):
         raise InputError(
-            "material must be a series, em.Prony, to tell its branches from each "
-            "other, got a table."
+            argument="material",
+            got=body,
+            accepted="a series, em.Prony, to tell its branches from each other",
         )
     if isinstance(body, Layer) and (body.other is not None or not body.constant):
         raise InputError(
-            "material must be one layer with a constant Poisson's ratio, whose "
-            "branches lose in proportion to their loss moduli, got two layers or a "
-            "constant bulk modulus."
+            argument="material",
+            got=body,
+            accepted="one layer with a constant Poisson's ratio, whose branches lose "
+            "in proportion to their loss moduli",
         )
     law = body.normal() if isinstance(body, Layer) else body.law()
     if float(law.viscosity) > 0 or not float(law.equilibrium) > 0:
         raise InputError(
-            "material must be a solid without a parallel dashpot to separate its "
-            "branches on a layer."
+            argument="material",
+            got=body,
+            accepted="a solid without a parallel dashpot to separate its branches on a "
+            "layer",
         )
     if not law.moduli.size:
         raise InputError(
-            "material must have a relaxation time: an elastic one dissipates nothing."
+            argument="material",
+            got=body,
+            accepted="one with a relaxation time",
+            hint="an elastic one dissipates nothing",
         )
     return law
 

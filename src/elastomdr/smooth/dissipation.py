@@ -12,7 +12,14 @@ import numpy as np
 from ..arrays import xp
 from ..call.problem import Asked
 from ..call.several_materials import over_materials
-from ..checks import Array, nan_unless, numpy_unless_traced, possible, warn_unless
+from ..checks import (
+    Array,
+    nan_unless,
+    numpy_unless_traced,
+    only_one,
+    possible,
+    warn_unless,
+)
 from ..errors import InputError
 from ..results.doubts import carried
 from ..results.spectrum import Dissipation
@@ -94,13 +101,15 @@ def _check_branches(plan: Plan) -> None:
     """Raises `InputError` where there are none to be told from each other."""
     if plan.marched:
         raise InputError(
-            "shape must have a convex profile: branches are not separated where "
-            "contact may be renewed."
+            argument="shape",
+            accepted="of a convex profile",
+            hint="branches are not separated where contact may be renewed",
         )
     if plan.elastic:
         raise InputError(
-            "material must have a relaxation time or a dashpot: an elastic one "
-            "dissipates nothing."
+            argument="material",
+            accepted="one with a relaxation time or a dashpot",
+            hint="an elastic one dissipates nothing",
         )
 
 
@@ -149,12 +158,12 @@ def _on_layer(call: SmoothCall) -> Dissipation:
     shape, rtol = call.shape, call.rtol
     if not isinstance(shape, Cylinder):
         raise InputError(
-            "shape must be an em.Cylinder for the losses of an em.layer by branch, "
-            f"got {shape!r}: give a ball the "
-            "material itself, a half-space."
+            argument="shape",
+            got=shape,
+            accepted="an em.Cylinder for the losses of an em.layer by branch",
+            hint="give a ball the material itself, a half-space",
         )
-    if (call.asked.load is None) == (call.asked.depth is None):
-        raise InputError("load or depth must be given, and only one of them.")
+    only_one({"load": call.asked.load, "depth": call.asked.depth})
     rolled, each, times = cylinder_losses(call)
     steady = rolled.steady
     total = np.sum(each, axis=0)

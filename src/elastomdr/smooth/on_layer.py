@@ -8,7 +8,7 @@ import dataclasses
 
 import numpy as np
 
-from ..checks import is_traced
+from ..checks import is_traced, only_one
 from ..element.law import Foundation
 from ..element.layer import Layer
 from ..errors import InputError, quiet
@@ -56,18 +56,15 @@ def plan_on_layer(call: SmoothCall) -> LayerPlan:
 
 
 def _check(call: SmoothCall) -> None:
-    shape, load, depth = call.shape, call.asked.load, call.asked.depth
+    shape = call.shape
     if not isinstance(shape, AbstractShape):
         raise InputError(
-            "shape must be an em.Sphere, em.Cone, em.Cylinder or the like on a "
-            f"layer, got {shape!r}."
+            argument="shape",
+            got=shape,
+            accepted="an em.Sphere, em.Cone, em.Cylinder or the like on a layer",
         )
     no_pressure(shape, call.asked.pressure)
-    if (load is None) == (depth is None):
-        given = "neither" if load is None else f"load={load} and depth={depth}"
-        raise InputError(
-            f"load or depth must be given, and only one of them, got {given}."
-        )
+    only_one({"load": call.asked.load, "depth": call.asked.depth})
 
 
 def beside_layer(on_springs: Steady, call: SmoothCall) -> Steady:

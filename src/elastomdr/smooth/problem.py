@@ -265,8 +265,9 @@ def set_up(call: SmoothCall, softens: bool = True) -> SmoothScene:
     plan = make_plan(asked, law, lines, spread, passing)
     if plan.marched and plan.traced:
         raise InputError(
-            "shape must have a convex profile under jit, grad and vmap: where contact "
-            "may be renewed, sliding is known for numbers only."
+            argument="shape",
+            accepted="of a convex profile under jit, grad and vmap",
+            hint="where contact may be renewed, sliding is known for numbers only",
         )
     inputs = [*points.inputs(("shape", body)), ("relative tolerance", f"{rtol:g}")]
     inputs += [("softening", "left out: moduli of small strain")] if small else []
@@ -290,9 +291,10 @@ def no_pressure(shape: AbstractShape, pressure: ArrayLike | None) -> None:
     """Refuses a pressure on a smooth body. Raises `InputError`."""
     if pressure is not None:
         raise InputError(
-            f"pressure belongs to a rough surface; a {shape.label} takes load or "
-            f"depth, got pressure={pressure}. Give "
-            "the force as load= [N]."
+            argument="pressure",
+            got=pressure,
+            accepted=f"left out for a {shape.label}",
+            hint="it belongs to a rough surface; give the force as load [N], or depth",
         )
 
 
@@ -380,6 +382,27 @@ def _sunk(scene: SmoothScene) -> str:
     return f"{sentence}."
 
 
+def check_edge(shape: AbstractShape) -> None:
+    """Raises `InputError` for bodies so sharp that none slides steadily."""
+    if isinstance(shape, FlatPunch):
+        raise InputError(
+            argument="shape",
+            got=shape,
+            accepted="without a sharp edge in sliding or rolling",
+            hint="it strains the surface at an infinite rate at any velocity, so that "
+            "the friction depends on how the edge is rounded; give the rounding: "
+            "em.Profile with points along the edge, or em.PowerLaw with a large "
+            "exponent",
+        )
+    if isinstance(shape, PowerLaw) and shape.exponent < 1:
+        raise InputError(
+            argument="exponent",
+            got=float(shape.exponent),
+            accepted="1 or more in sliding",
+            hint="a body with an infinitely sharp tip has no steady sliding solution",
+        )
+
+
 def contact(material: Material, shape: Indenter) -> tuple[AbstractLines, Foundation]:
     """The lines of a sliding contact, and what they are made of. Raises `InputError`
     for a pair that does not fit.
@@ -388,29 +411,19 @@ def contact(material: Material, shape: Indenter) -> tuple[AbstractLines, Foundat
     foundation = as_foundation(material)
     if not isinstance(shape, AbstractShape):
         raise InputError(
-            "shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the "
-            f"like, got {shape!r}."
+            argument="shape",
+            got=shape,
+            accepted="an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like",
         )
-    if isinstance(shape, FlatPunch):
-        raise InputError(
-            "shape must not be a FlatPunch in sliding or rolling: its sharp edge "
-            "strains the surface at an infinite rate at any velocity, so that the "
-            "friction depends on how the edge is rounded. Give the rounding: "
-            "em.Profile with points along the edge, or em.PowerLaw with a large "
-            "exponent."
-        )
-    if isinstance(shape, PowerLaw) and shape.exponent < 1:
-        raise InputError(
-            f"exponent must be 1 or more in sliding, got {shape.exponent:g}: a body "
-            "with an infinitely sharp tip has "
-            "no steady sliding solution."
-        )
+    check_edge(shape)
     if isinstance(shape, Cylinder):
         if foundation.per_area is False:
             raise InputError(
-                "material must be independent springs under a Cylinder here, got a "
-                "half-space: use em.springs(material, thickness). A cylinder on a "
-                "half-space is no MDR problem."
+                argument="material",
+                got=material,
+                accepted="independent springs under a Cylinder here",
+                hint="use em.springs(material, thickness); a cylinder on a half-space "
+                "is no MDR problem",
             )
         return SingleLine(shape), foundation
     if foundation.per_area:

@@ -58,8 +58,9 @@ def check_softening(foundation: Foundation, lines: AbstractLines) -> None:
     layer = foundation.per_area or isinstance(lines.shape, Cylinder)
     if foundation.softening is not None and layer and foundation.thickness is None:
         raise InputError(
-            "softening needs the thickness of the layer, of which its strain is a "
-            "part: use em.springs(material, thickness), or give the em.Foundation one."
+            argument="thickness",
+            accepted="given for a layer that softens, whose strain is a part of it",
+            hint="use em.springs(material, thickness), or give the em.Foundation one",
         )
 
 

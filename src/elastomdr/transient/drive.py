@@ -13,7 +13,6 @@ from ..arrays import arrays, xp
 from ..call.several_materials import over_materials
 from ..checks import (
     Array,
-    ascending,
     is_traced,
     nan_unless,
     numpy_unless_traced,
@@ -139,7 +138,13 @@ def drive(
             raise InputError(argument=name, got=mount, accepted=accepted)
     given = (time, position, load, None, temperature, rtol, elements)
     history = given_history(body, *given, mounts, track)
-    ascending("time", history.time)  # bodies with a mass have no jumps
+    if (np.diff(history.time) <= 0).any():
+        raise InputError(
+            argument="time",
+            got=history.time,
+            accepted="ascending, without repeats",
+            hint="bodies with a mass have no jumps",
+        )
     solution, plan = _solve(body.over, history, list(mounts.values()), track)
     inputs = [
         *body.words,
