@@ -258,6 +258,31 @@ def test_memory_at_the_edge_has_no_derivatives():
     assert refused.value.argument == "depth"
 
 
+def test_elastic_derivatives_where_the_body_is_off():
+    """Of the pull-off -(5/6) pi w R, and of a force before it, without 64-bit types."""
+    depth = way(3 * SCALE, -2 * SCALE, 20)
+
+    def pulled(work):
+        found = em.indent(
+            ELASTIC, BALL, time=np.arange(depth.size), depth=depth, adhesion=work
+        )
+        return found.pull_off.force, found.force[40]
+
+    off, before = (jax.grad(lambda w, i=i: pulled(w)[i])(WORK) for i in (0, 1))
+    assert np.isclose(off, -5 / 6 * np.pi * RADIUS, rtol=1e-5)
+    high, low = (pulled(WORK + step)[1] for step in (1e-6, -1e-6))
+    assert np.isclose(before, (high - low) / 2e-6, rtol=1e-4)
+
+
+def test_bound_of_a_load_that_does_not_pull_off():
+    load = way(20 * JKR, -JKR, 30)
+    time = 0.1 * np.arange(load.size)
+    found = em.indent(RUBBER, BALL, time=time, load=load, adhesion=CUTOFF)
+    assert np.isnan(found.pull_off.force)
+    assert np.isnan(found.loop_energy)
+    assert (found.model_error == 0.1).all()
+
+
 def test_springs_of_an_elastic_rubber_stick():
     """On springs delta = sqrt(2 w/k) everywhere, and a = sqrt(2 R (d + delta))."""
     stiffness, depth = 1e9, np.array([0.0, 1e-5, 5e-6])

@@ -106,10 +106,16 @@ class Indentation(AbstractHistory):
     what was asked for, the force under a given depth and the depth under a given load,
     over its largest value in the history. An instant that did not converge is NaN with
     `converged=False`; heat for which the audit does not close to `rtol` of the largest
-    work, under a load that falls, is NaN alone. With adhesion see `em.indent`. `plot`
-    draws depth, force and contact radius against time and the force against depth, on
-    axes that are given the last alone; with `ax=None` it returns the first of four
-    Axes.
+    work, under a load that falls, is NaN alone.
+
+    With adhesion `jump_in` is the first contact, and `pull_off` where an elastic
+    contact breaks, of viscoelastic rubber where the body pulled most before it came
+    off. `model_error` is that of the pull. `stored`, `locked` and `dissipated` are NaN
+    of viscoelastic rubber, `loop_energy` where the body stays on.
+
+    `plot` draws depth, force and contact radius against time and the force against
+    depth, on axes that are given the last alone; with `ax=None` it returns the first
+    of four Axes.
     """
 
     depth: Array = quantity("depth", "m", "indentation depth d", shown="mm")

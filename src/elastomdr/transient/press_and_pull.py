@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from ..arrays import tree_map, xp
+from ..arrays import stop_gradient, tree_map, xp
 from ..checks import Array, is_traced, nan_unless, numbers_only, numpy_unless_traced
 from ..element.episode import Modes
 from ..material.relaxation import Relaxation
@@ -396,7 +396,7 @@ class _History(NamedTuple):
     jump_in: StickyContact
     pull_off: StickyContact
     error: np.ndarray
-    loop: float  # work in all, NaN where it depends on the steps
+    loop: float  # work in all, NaN without a pull-off, or where it depends on steps
 
 
 def _shaped(found: _Found, shape: tuple[int, ...], rtol: float) -> Indented:
@@ -453,10 +453,12 @@ def _elastic(
             xp.take_along_axis(row, i + k, axis=1)[:, 0]
             for row, k in ((value, 0), (value, 1), (time, 0), (time, 1), (by_depth, 1))
         )
-        share = (xp.where(rules, *limits) - before) / (after - before)
+        found = change.any(axis=1)
+        way = xp.where(found, after - before, 1.0)
+        share = (xp.where(rules, *limits) - before) / way
         radius, depth, force = map(xp.where, (rules,) * 3, *edges)
         row = (start + share * (end - start), depth, force, radius)
-        return Event(*(nan_unless(change.any(axis=1), one) for one in row))
+        return Event(*(nan_unless(found, one) for one in row))
 
     zero = np.zeros(())
     at_once = (time, contact.depth, contact.force, contact.radius)
@@ -473,8 +475,9 @@ def _elastic(
                 for one, other in zip(at_once, jump_in, strict=True)
             )
         )
-        cutoff = adhesion.length(law.equilibrium)
-        zone = xp.where(touches, cutoff / contact.radius, xp.nan)
+        cutoff = stop_gradient(adhesion.length(law.equilibrium))
+        radius, off = stop_gradient((contact.radius, pull_off.radius))
+        zone = xp.where(touches, cutoff / radius, xp.nan)
         moved = xp.diff(contact.radius) / xp.diff(time)
         nothing = xp.full(touches[:, :1].shape, xp.nan)
         edge = AdhesiveEdge(
@@ -483,10 +486,8 @@ def _elastic(
             zone=zone,
             pull_off=pull_off,
             jump_in=jump_in,
-            loop=_last(contact.work),
-            zone_off=xp.fmax(
-                cutoff / pull_off.radius, xp.nanmax(zone, axis=1, initial=0.0)
-            ),
+            loop=nan_unless(xp.isfinite(pull_off.time), _last(contact.work)),
+            zone_off=xp.fmax(cutoff / off, xp.nanmax(zone, axis=1, initial=0.0)),
             scale=xp.full(len(touches), -4 / 3 * breaks[0].depth),
         )
     return _Found(contact, xp.full(touches.shape, _ROUNDING), edge, JKR)
@@ -520,7 +521,8 @@ def _with_memory(
     with np.errstate(divide="ignore"):
         zone = bond.cutoff * factor / contact.radius
     zone_off = bond.cutoff * bond.at(abs(pull_off.speed)) / pull_off.radius
-    largest = np.max(np.where(contact.radius > 0, zone, 0.0), axis=-1)
+    zone = np.where(contact.radius > 0, zone, np.nan)
+    largest = np.nanmax(zone, axis=-1, initial=0.0)  # that of a jump is not known
     nothing = np.full(time.shape, np.nan)
     return _Found(
         Adhesive(contact.depth, contact.force, contact.radius, contact.work, nothing),
@@ -528,7 +530,7 @@ def _with_memory(
         AdhesiveEdge(
             speed=contact.speed,
             factor=np.where(contact.speed > 0, 1 / given, factor),
-            zone=np.where(contact.radius > 0, zone, np.nan),
+            zone=zone,
             pull_off=Event(*pull_off[:4]),
             jump_in=Event(*jump_in[:4]),
             loop=np.array([row.loop for row in rows]),
@@ -566,6 +568,7 @@ def _marched(
     size = [np.nanmax(abs(row), initial=0.0) for row in (found.force, found.depth)]
     error = abs(asked - again) / np.where(by_depth, *size)
     sure = abs(fine.work - coarse.work) <= _RTOL * abs(fine.work)
+    sure = sure and bool(np.isfinite(fine.pull_off.time))
     loop = fine.work if sure else np.nan
     return _History(found, fine.jump_in, fine.pull_off, error, loop)
 
