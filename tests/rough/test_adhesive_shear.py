@@ -2,6 +2,8 @@
 errors, scenes, derivatives.
 """
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -101,11 +103,9 @@ def test_shear_above_the_pressure_is_no_prediction():
     over = both.adhesion > 1
     assert 0 < over.sum() < over.size
     np.testing.assert_array_equal(np.isnan(both.model_error), over)
-    least = (SCENE["pressure"] / LAW.shear_stress(both.velocity, both.temperature))[
-        over
-    ].min()
     said = f"{over.sum()} of 10 points have no bound"
-    assert mentions(both.summary(), said, f"real contact of {least:.2g}")
+    most = both.adhesion[over].max()
+    assert mentions(both.summary(), said, f"up to {most:.4g} times", "mu_low")
     weak = em.friction(
         RUBBER, ROAD, adhesion=em.AdhesiveShear(5e4, 3e-3, 0.12), **SCENE
     )
@@ -120,6 +120,7 @@ def test_shear_above_the_pressure_is_no_prediction():
     )
     assert ball.adhesion > 1
     assert np.isnan(ball.model_error)
+    assert ball.mu_low < ball.mu < ball.mu_high
     cells = em.friction(
         RUBBER,
         em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=8e3),
@@ -132,6 +133,123 @@ def test_shear_above_the_pressure_is_no_prediction():
     )
     assert cells.adhesion > 1
     assert np.isnan(cells.model_error)
+    assert np.isnan(cells.mu_low)  # the scatter of a single map is not known
+
+
+class TestLimits:
+    """What is known of mu where the shear exceeds the pressure."""
+
+    def test_they_are_the_band_where_there_is_one_and_go_beyond_it_elsewhere(self):
+        both = em.friction(RUBBER, ROAD, adhesion=LAW, **SCENE)
+        bare = em.friction(RUBBER, ROAD, **SCENE)
+        over = both.adhesion > 1
+        half = (both.error + both.model_error)[~over]
+        np.testing.assert_allclose(both.mu_low[~over], both.mu[~over] - half)
+        np.testing.assert_allclose(both.mu_high[~over], both.mu[~over] + half)
+        a, h, area = both.adhesion[over], bare.mu[over], bare.area_ratio[over]
+        # the sum itself lies within; what its parts may be off widens both ends
+        assert (both.mu_low[over] < h + 0.7 * a).all()
+        assert (both.mu_low[over] > 0.5 * (h + 0.7 * a)).all()
+        grown = np.minimum(1 / np.maximum(1 - h * a, 1e-9), 1 / area)
+        assert (grown > 1).all()
+        assert (both.mu_high[over] > grown * (h + a)).all()
+        assert (both.mu_high[over] < 1.3 * grown * (h + a)).all()
+
+    def test_no_contact_is_larger_than_the_nominal_one(self):
+        """However steep and strong: all touches, and bears the stress."""
+        law = em.AdhesiveShear(5e7, 3e-3, 0.0)
+        road = em.SelfAffine(0.8, rms_slope=1.0, q_low=1e3, q_high=3e4)
+        at = {"velocity": 0.1, "pressure": 1e5}
+        both = em.friction(RUBBER.at(293.15), road, adhesion=law, **at)
+        assert both.hysteresis * both.adhesion > 1
+        most = (both.hysteresis + both.adhesion) / both.area_ratio
+        assert most < both.mu_high < 1.3 * most
+
+    def test_the_upper_one_is_a_wedge_that_rubber_climbs(self):
+        """With tan(phi) for hysteresis and tan(delta) for shear: tan(phi + delta)."""
+        from elastomdr.rough.adhesion import sheared
+
+        at = {"velocity": 0.1, "load": 1.0}
+        curve = em.friction(RUBBER.at(293.15), em.Paraboloid(0.01), **at)
+        zero = np.zeros(())
+        phi, delta = 0.2, 0.9
+        curve = dataclasses.replace(curve, mu=np.tan(phi), error=zero, model_error=zero)
+        law = em.AdhesiveShear(1.0, 0.1, 0.0)
+        made = sheared(curve, law, np.tan(delta), 0.0, 0.0, "wedge", np.array(1e6))
+        np.testing.assert_allclose(made.mu_high, np.tan(phi + delta), rtol=1e-12)
+        low = np.tan(phi) + 0.7 * np.tan(delta)
+        np.testing.assert_allclose(made.mu_low, low, rtol=1e-12)
+
+    @pytest.mark.parametrize("velocity", [1e-3, 1e-2, 1.0])
+    def test_the_mean_slope_of_a_contact_is_below_its_hysteresis(self, velocity):
+        """Which the upper limit rests on: in three dimensions, where the slope weighted
+        by the pressure is mu.
+        """
+        from elastomdr.rough.half_space import solve
+
+        n, side = 128, 2 * np.pi / 500.0
+        k = 2 * np.pi * np.fft.fftfreq(n, side / n)
+        q = np.hypot(*np.meshgrid(k, k, indexing="ij"))
+        inside = (q >= 1e3) & (q <= 1.2e4)
+        road = em.SelfAffine(0.8, rms_slope=0.5, q_low=1e3, q_high=1.2e4)
+        power = np.where(inside, road.at(np.clip(q, 1e3, 1.2e4)), 0.0)
+        noise = np.random.default_rng(3).standard_normal((n, n))
+        waves = np.fft.fft2(noise) * np.sqrt(power) * 2 * np.pi / side * n
+        height = np.fft.ifft2(waves).real
+        slope = np.fft.ifft2(1j * k[:, None] * waves).real
+        times, moduli = np.geomspace(1e-7, 1, 8), np.geomspace(2e8, 5e5, 8)
+        law = em.half_space(em.Prony(1e6, moduli, times)).law()
+        for pressure in (2e5, 1e6):
+            found = solve(
+                law.complex_modulus,
+                height,
+                (side, side),
+                velocity=velocity,
+                pressure=pressure,
+            )
+            mu, touching = found.stress / pressure, found.pressure > 0
+            # the map moves towards +x: rubber climbs where heights fall along it
+            by_pressure = -(found.pressure * slope).mean() / pressure
+            assert by_pressure == pytest.approx(mu, rel=0.05)
+            assert 0.2 * mu < -slope[touching].mean() < 0.9 * mu
+
+    def test_they_and_the_doubt_are_in_all_that_is_made_of_the_curve(self, tmp_path):
+        scene = SCENE | {"temperature": 293.15}
+        both = em.friction(RUBBER, ROAD, adhesion=LAW, **scene)
+        lost = np.asarray(both.adhesion > 1)
+        table = both.to_pandas()
+        low, high = (
+            f"{end} limit of the friction coefficient [-]" for end in ("lower", "upper")
+        )
+        np.testing.assert_array_equal(table[low], both.mu_low)
+        np.testing.assert_array_equal(table[high], both.mu_high)
+        both.to_csv(tmp_path / "dry.csv")
+        laws = both.law(), em.load_friction(tmp_path / "dry.csv")
+        for law in laws:
+            (points,) = {
+                np.asarray(d.points).ravel().tobytes()
+                for d in law.doubts
+                if d.kind == "no prediction" and np.array_equal(d.points.ravel(), lost)
+            }
+            assert points == lost.tobytes()
+        ends = np.concatenate(
+            [c.get_paths()[0].vertices[:, 1] for c in both.plot().collections]
+        )
+        for end in (both.mu_low[lost].min(), both.mu_high[lost].max()):
+            assert np.isclose(ends, end).any()
+        i = int(both.mu.argmax())
+        how = dict(both.headline())["how sure"]
+        assert mentions(how, f"{both.mu_low[i]:.3g} to {both.mu_high[i]:.3g} there")
+
+    def test_they_are_known_under_jit(self):
+        def ends(v):
+            at = {"velocity": v, "pressure": 1e5, "temperature": 293.15}
+            both = em.friction(RUBBER, ROAD, adhesion=LAW, **at)
+            return both.mu_low, both.mu_high
+
+        with jax.enable_x64(True):
+            traced = jax.jit(ends)(SCENE["velocity"])
+        np.testing.assert_allclose(traced, ends(SCENE["velocity"]), rtol=1e-9)
 
 
 def test_in_full_contact_no_bound_is_known_of_the_law():

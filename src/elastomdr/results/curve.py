@@ -171,11 +171,20 @@ class AbstractCurve(Result):
         if self.model_error is None:
             return f"{computed}, no error of the model"
         bound = float(np.ravel(self.model_error)[i])
+        low, high = (float(np.ravel(x)[i]) for x in self._ends())
+        known = np.isfinite(low) and np.isfinite(high)
+        there = (
+            f"{significant(low, 3)} to {significant(high, 3)}" if known else "not known"
+        )
         if not np.isfinite(bound):
-            return f"not known there: no bound on the model ({computed})"
-        low, high = (significant(value + x, 3) for x in (-error - bound, error + bound))
-        model = f"model {significant(share * bound, 2)} %"
-        return f"{low} to {high} there ({computed}, {model})"
+            return f"{there} there: no bound on the model ({computed})"
+        return f"{there} there ({computed}, model {significant(share * bound, 2)} %)"
+
+    def _ends(self) -> tuple[Array, Array]:
+        """The band around the coefficient."""
+        assert self.model_error is not None
+        half = self.error + self.model_error
+        return self._shown() - half, self._shown() + half
 
     def _shown(self) -> Array:
         return getattr(self, self.shows)
@@ -251,6 +260,18 @@ class FrictionCurve(AbstractCurve):
         "shear stress times contact area over normal force",
         default=None,
     )
+    mu_low: Array | None = quantity(
+        "lower limit of the friction coefficient",
+        "-",
+        "with errors; where there is no prediction, shear leaves 0.7 of the contact",
+        default=None,
+    )
+    mu_high: Array | None = quantity(
+        "upper limit of the friction coefficient",
+        "-",
+        "with errors; where there is no prediction, shear presses the contact down",
+        default=None,
+    )
     contact_area: Array | None = quantity(
         "contact area",
         "m^2",
@@ -287,6 +308,11 @@ class FrictionCurve(AbstractCurve):
             )
             return q._replace(label=f"{q.label} per {per}", unit=unit)
         return q
+
+    def _ends(self) -> tuple[Array, Array]:
+        if self.mu_low is None or self.mu_high is None:
+            return super()._ends()
+        return self.mu_low, self.mu_high
 
     def _rests_on(self, i: int) -> Iterator[str]:
         yield from super()._rests_on(i)

@@ -109,11 +109,14 @@ def _band(
 ) -> tuple[np.ndarray, np.ndarray, str]:
     """How far the band reaches below and above each point, and what it holds."""
     half, uncertainty = _uncertainty(fields)
+    below = above = half
+    if "mu_low" in fields:
+        below, above = fields["mu"] - fields["mu_low"], fields["mu_high"] - fields["mu"]
     if spread is None:
-        return half, half, uncertainty
+        return below, above, uncertainty
     low, middle, high = spread
     uncertainty = f"95 % of the draws, and {uncertainty}"
-    return middle - low + half, high - middle + half, uncertainty
+    return middle - low + below, high - middle + above, uncertainty
 
 
 def _uncertainty(fields: Mapping[str, np.ndarray]) -> tuple[np.ndarray, str]:

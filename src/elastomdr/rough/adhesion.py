@@ -37,7 +37,7 @@ from ..element.layer import Layer
 from ..errors import InputError
 from ..material.shift import AbstractShift
 from ..results.curve import FrictionCurve
-from ..results.doubts import Doubt
+from ..results.doubts import Doubt, where
 from ..results.words import in_words
 from ..surface.shapes import Cylinder
 from ..trees import Tree, fill
@@ -54,6 +54,9 @@ MOST_SHEAR = 1.0  # tau A/F_N above which the sum is no prediction (docs/rough.m
 # off, but what a shear law leaves out: contacts that shear changes, bonds that grow
 # in sliding and at rest
 KNOWN_AREA = 0.02
+KEPT = (
+    0.7  # of a real contact under shear, at least (Sahli et al., PNAS 115 (2018) 471)
+)
 _SKEWED = 0.2  # of 1 - b/a: against 56 contacts in three dimensions (docs/accuracy.md)
 # relative error of an area of 64 by 64 cells about the contact, its border corrected
 _STAIRCASE = 0.01
@@ -135,13 +138,11 @@ class AdhesiveShear(Tree):
         """The law in one line."""
         if is_traced(self):
             return "adhesive shear"
+        words = f"{float(self.stress) / 1e6:.4g} MPa at "
         if self.shift is None and self.width == 0:
-            return f"{float(self.stress) / 1e6:.4g} MPa at every velocity"
-        numbers = (
-            f"{float(self.stress) / 1e6:.4g} MPa at {float(self.velocity):.4g} m/s, "
-            f"width {float(self.width):.4g}"
-        )
-        return f"{numbers}, {'athermal' if self.shift is None else repr(self.shift)}"
+            return f"{words}every velocity"
+        words += f"{float(self.velocity):.4g} m/s, width {float(self.width):.4g}"
+        return f"{words}, {'athermal' if self.shift is None else repr(self.shift)}"
 
     def __repr__(self) -> str:
         return written(self)
@@ -213,79 +214,69 @@ def sheared(
     stress = adhesion.shear_stress(curve.velocity, temperature)
     added = stress * share
     mu = curve.mu + added
-    complete = None
-    if curve.area_ratio is not None and bound is not None:
-        complete = xp.asarray(bound < KNOWN_AREA)
-        bound = xp.where(complete, xp.nan, bound)
+    doubts = _unforetold(curve, added, bound)
+    unknown = where(doubts, "no prediction")
+    error = curve.error + added * error
+    missed = 0.0 if curve.model_error is None else curve.model_error
+    missed += 0.0 if bound is None else added * bound
+    low, high = mu - error - missed, mu + error + missed
+    if unknown is not None:
+        least, most = _limits(curve, added, error + missed)
+        low, high = xp.where(unknown, least, low), xp.where(unknown, most, high)
+        missed = xp.where(unknown, xp.nan, missed)
     return dataclasses.replace(
         curve,
         mu=mu,
+        mu_low=low,
+        mu_high=high,
         hysteresis=curve.mu,
         adhesion=added,
         friction_force=mu * curve.normal_force,
-        error=curve.error + added * error,
-        model_error=_bounded(curve.model_error, added, bound),
+        error=error,
+        model_error=curve.model_error if unknown is None else missed,
         model=curve.model + _ADDED.format(area=area),
         inputs=(*curve.inputs, ("adhesion", adhesion.words())),
-        marks=(
-            *curve.marks,
-            *sheared_too_hard(stress, modulus),
-            *_no_prediction(curve, added),
-            *_of_law(complete),
-        ),
+        marks=(*curve.marks, *sheared_too_hard(stress, modulus), *doubts),
     )
 
 
-def _exceeds(added: Array) -> bool:
-    """Whether the shear is known to exceed the pressure at a point."""
-    return certain(lambda added: (added > MOST_SHEAR).any(), added)
+def _limits(curve: FrictionCurve, added: Array, spread: Array) -> tuple[Array, Array]:
+    """Limits of mu where shear may change the contact (docs/theory.md, section 24).
 
-
-def _bounded(
-    model_error: Array | None, added: Array, bound: Array | float | None
-) -> Array | None:
-    """The bound of hysteresis and that of the area, NaN where the shear exceeds the
-    pressure; None where none is.
+    Real contact was seen to shrink by up to 30 % under shear. And where the rubber
+    climbs, shear presses it down, as if by 1/(1 - s tau A/F_N) times the load, s the
+    mean slope of the contact, at most mu of hysteresis; until all is in contact.
     """
-    if bound is None:
-        if not _exceeds(added):
-            return model_error
-        bound = 0.0
-    total = (0.0 if model_error is None else model_error) + added * bound
-    return xp.where(added > MOST_SHEAR, xp.nan, total)
+    least = 0.0 if curve.area_ratio is None else curve.area_ratio
+    room = xp.maximum(1 - curve.mu * added, least)
+    low = xp.maximum(curve.mu + KEPT * added - spread, 0.0)
+    return low, (curve.mu + added + spread) / xp.where(room > 0, room, xp.nan)
 
 
-def _no_prediction(curve: FrictionCurve, added: Array) -> tuple[Doubt, ...]:
-    """Where the shear exceeds the pressure, and from which real contact on."""
-    if not _exceeds(added):
-        return ()
-    over = np.asarray(added > MOST_SHEAR)
-    says = "have no bound on the model: the shear of the contact exceeds its pressure"
-    if curve.area_ratio is not None:
-        least = (curve.area_ratio[over] / added[over]).min()
-        says += (
-            f", from a real contact of {significant(float(least), 2)} on, p over the "
-            "shear stress"
-        )
-    most = significant(float(added[over].max()))
-    says += (
-        f"; it is up to {most} times that and would change the contact, which the sum "
-        "leaves out"
-    )
-    return (Doubt("no prediction", over, says, "measured friction"),)
-
-
-def _of_law(complete: Array | None) -> tuple[Doubt, ...]:
-    """Where the area of a real contact is known so well that its bound says nothing of
-    the sum.
+def _unforetold(
+    curve: FrictionCurve, added: Array, bound: Array | float | None
+) -> tuple[Doubt, ...]:
+    """Where the shear exceeds the pressure; and where the area of a real contact is
+    known so well that its bound says nothing of the sum.
     """
-    if complete is None:
+    over = xp.asarray(added > MOST_SHEAR)
+    exceeds = certain(lambda added: (added > MOST_SHEAR).any(), added)
+    if bound is None and not exceeds:
         return ()
-    says = (
-        "have no bound on the model: their real contact is all but complete, and what "
-        "the shear law leaves out decides"
-    )
-    return (Doubt("no prediction", complete, says, "measured friction"),)
+    says = "the shear of the contact exceeds its pressure"
+    if exceeds:
+        most = significant(float(added[over].max()))
+        says += f"; it is up to {most} times that and would change the contact"
+    doubts = (_no_prediction(over, says),)
+    if curve.area_ratio is None or bound is None:
+        return doubts
+    says = "real contact is all but complete, and what the shear law leaves out decides"
+    return (*doubts, _no_prediction(xp.asarray(bound < KNOWN_AREA), says))
+
+
+def _no_prediction(points: Array, why: str) -> Doubt:
+    says = f"have no bound on the model, but limits, `mu_low` and `mu_high`: {why}"
+    return Doubt("no prediction", points, says, "measured friction")
 
 
 def on_contact(
@@ -360,22 +351,25 @@ def why_hotter(
         cold_area: real contact over nominal area without heating, of the curve's shape.
         cold_stress: shear stress at the temperature of the body [Pa], likewise.
     """
-    assert curve.cold is not None
-    assert curve.adhesion is not None
-    assert curve.hysteresis is not None
-    assert curve.pressure is not None
-    assert curve.area_ratio is not None
-    higher = curve.mu > curve.cold + curve.error
+    cold, adhesion, hysteresis, area, pressure, stress = (
+        np.broadcast_to(np.asarray(x, dtype=float), curve.mu.shape)
+        for x in (
+            curve.cold,
+            curve.adhesion,
+            curve.hysteresis,
+            curve.area_ratio,
+            curve.pressure,
+            cold_stress,
+        )
+    )
+    higher = curve.mu > cold + curve.error
     if not higher.any():
         return ()
-    i = np.unravel_index(
-        np.argmax(np.where(higher, curve.mu / curve.cold, 0.0)), higher.shape
-    )
-    stress, area = np.broadcast_to(cold_stress, higher.shape)[i], cold_area[i]
-    before = stress * area / curve.pressure[i]
-    softer = curve.area_ratio[i] / area
-    stronger = curve.adhesion[i] / before / softer
-    lossier = curve.hysteresis[i] / (curve.cold[i] - before)
+    i = np.unravel_index(np.argmax(np.where(higher, curve.mu / cold, 0.0)), cold.shape)
+    before = stress[i] * cold_area[i] / pressure[i]
+    softer = area[i] / cold_area[i]
+    stronger = adhesion[i] / before / softer
+    lossier = hysteresis[i] / (cold[i] - before)
     shear = f"the shear stress in it {significant(float(stronger))} times as high"
     if stronger > 1:
         shear += " (warmth moves it towards its maximum)"

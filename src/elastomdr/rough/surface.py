@@ -35,7 +35,7 @@ from ..material.shift import thermal_factors
 from ..material.validity import Range, misfit
 from ..results.base import WIDE
 from ..results.curve import FrictionCurve
-from ..results.doubts import Doubt
+from ..results.doubts import Doubt, where
 from ..results.words import brief, surface_in_words
 from ..smooth.softening import LINEAR
 from ..surface.lay import lay_of
@@ -413,19 +413,9 @@ def _wide_bound(
     bound, mu = (abs(np.asarray(x).ravel()) for x in (curve.model_error, curve.mu))
     area, reduced = answer.hot.area, answer.reduced.ravel()
     foundation, surface = answer.problem[:2]
-
-    def doubt(kind: Kind, points: np.ndarray, words: str, reasons: list[str]) -> Doubt:
-        return Doubt(kind, points.reshape(curve.mu.shape), "; ".join([words, *reasons]))
-
     wide, unknown = bound > WIDE * mu, np.isnan(bound) & np.isfinite(mu)
-    doubts: list[Doubt] = []
-    if unknown.any():
-        reasons = model.why_wide(foundation, surface, reduced[unknown], area[unknown])
-        words = "have no bound on the model for the friction coefficient"
-        doubts.append(doubt("no prediction", unknown, words, reasons))
-    if not wide.any():
-        return tuple(doubts)
-    reasons = model.why_wide(foundation, surface, reduced[wide], area[wide])
+    if (told := where(curve.marks, "no prediction")) is not None:
+        unknown &= ~np.ravel(told)
     widths = (
         (strained.of_mu, _WIDE_BY_STRAIN),
         (mu * np.expm1(_of_skewness(surface, area)), _wide_by_skewness(surface)),
@@ -435,12 +425,22 @@ def _wide_bound(
             _WIDE_BY_ERROR if curve.direction is not None else _WIDE_BY_MEAN,
         ),
     )
-    for width, reason in widths:
-        share = np.broadcast_to(width, wide.shape)[wide] / bound[wide]
-        if (share > _NAMED).any():
-            reasons.append(reason)
-    words = "have a bound on the model above half of the friction coefficient"
-    return (*doubts, doubt("bound", wide, words, reasons))
+    cases: tuple[tuple[Kind, np.ndarray, str], ...] = (
+        ("no prediction", unknown, "no bound on the model for"),
+        ("bound", wide, "a bound on the model above half of"),
+    )
+    doubts = []
+    for kind, points, words in cases:
+        if not points.any():
+            continue
+        reasons = model.why_wide(foundation, surface, reduced[points], area[points])
+        for width, reason in widths:
+            share = np.broadcast_to(width, wide.shape)[points] / bound[points]
+            if (share > _NAMED).any():
+                reasons.append(reason)
+        says = "; ".join([f"have {words} the friction coefficient", *reasons])
+        doubts.append(Doubt(kind, points.reshape(curve.mu.shape), says))
+    return tuple(doubts)
 
 
 def _wide_by_skewness(surface: AbstractSpectrum) -> str:
