@@ -257,8 +257,10 @@ def decode(kind: Any, entry: object, place: tuple[str | int, ...] = ()) -> Any:
     which names the key.
     """
     kinds = members(kind)
-    if tables := tuple(each for each in kinds if _is_table(each)):
+    tables = tuple(each for each in kinds if _is_table(each))
+    if tables and (isinstance(entry, dict) or len(tables) == len(kinds)):
         return _decoded_table(tables, entry, place)
+    kinds = tuple(each for each in kinds if each not in tables)
     if len(kinds) != 1:
         for each in kinds:
             with contextlib.suppress(InputError):
