@@ -46,6 +46,29 @@ FLOORS = (
     "app",
 )
 
+# functions that are a verb's steps, in the file that computes it
+STEPS = {
+    "smooth/problem": "check solve report",
+    "smooth/cylinder": "_check _solve _judge",
+    "rough/surface": "_check _plan _solve _judge _report",
+    "rough/line": "_plan _judge _report",
+    "rough/friction_spectrum": "_check _solve _report",
+    "rough/line_contact": "_check _report",
+    "rough/press": "_check _judge _report",
+    "transient/indent": "_check _solve _judge",
+    "transient/impact": "_check _judge _report",
+    "transient/slide": "_solve",
+    "transient/drive": "_solve _report",
+    "transient/shear": "_check _solve _judge",
+    "tyre/traction": "_solve _report",
+    "belt/conveyor": "_check _solve",
+    "belt/heat_build_up": "_check _solve",
+    "seal/leak": "_check _judge _report",
+    "seal/o_ring": "_check _solve",
+    "seal/lubricated": "_check _solve _judge _report",
+    "seal/reciprocating": "_check _judge _report",
+}
+
 
 @functools.cache
 def tree_of(path: Path) -> ast.Module:
@@ -113,6 +136,22 @@ def test_structure_shows_the_rooms_in_their_order():
     table = section.partition("\n## ")[0]
     rows = re.findall(r"^\| (`.*?) \|", table, re.MULTILINE)
     assert tuple(re.findall(r"`(\w+)`", " ".join(rows))) == FLOORS
+
+
+@pytest.mark.parametrize("file", STEPS)
+def test_steps_of_a_verb_have_their_names(file):
+    """Each is called by its name, in its file or in one that imports it."""
+    tree, steps = tree_of(SOURCE / f"{file}.py"), STEPS[file].split()
+    assert {*steps} <= {n.name for n in tree.body if isinstance(n, ast.FunctionDef)}
+    called = {
+        n.func.id
+        for path in files()
+        if path == SOURCE / f"{file}.py"
+        or ("elastomdr", *file.split("/")) in imports(path)
+        for n in ast.walk(tree_of(path))
+        if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)
+    }
+    assert {*steps} <= called
 
 
 def test_the_package_holds_what_it_reads():

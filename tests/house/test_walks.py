@@ -26,11 +26,11 @@ SOURCE = Path(em.__file__).parent
 MOST = 15  # functions of a walk
 # each function, and as what the argument arrives there
 ROAD = """verbs.roads.friction_by:call.asked.{0}
-    rough.surface.surface_friction:call.asked.{0} rough.surface._set_up:call.asked.{0}
+    rough.surface.surface_friction:call.asked.{0} rough.surface._check:call.asked.{0}
     call.problem.rough_scene:asked.{0} call.problem.steady_scene:asked.{0}"""
 WALKS = {
     "friction:pressure": f"""verbs.friction.friction:pressure {ROAD.format("pressure")}
-        rough.surface._solved:problem.pressure
+        rough.surface._solve:problem.pressure
         rough.road_models._ClosedIntegrals.solve:problem.pressure
         rough.multiscale.friction:problem.pressure
         rough.multiscale.solve:problem.pressure
@@ -45,7 +45,7 @@ WALKS = {
         material.shift.WLF._log10_a:temperature""",
     "rolling:velocity": """verbs.rolling.rolling:velocity
         verbs.steady.steady_contact:call.asked.velocity
-        smooth.problem.set_up:call.asked.velocity
+        smooth.problem.check:call.asked.velocity
         call.problem.steady_scene:asked.velocity
         smooth.problem.solve:scene.points.reduced
         smooth.problem.SmoothScene.reduced:self.points.reduced
@@ -55,15 +55,15 @@ WALKS = {
         smooth.passage.solve_passages:velocity smooth.passage._edges:p.velocity
         smooth.passage.under_parabola:p.velocity""",
     "leak:pressure": """seal.leak.leak:pressure seal.leak._seal:pressure
-        seal.leak._checked:arguments.pressure seal.along.even:pressure
+        seal.leak._check:arguments.pressure seal.along.even:pressure
         seal.along._line:pressure seal.along._asked:relative_pressure
         seal.leak_form.FittedChannels.flow:relative_pressure
         seal.leak_form._numbers:relative_pressure
         seal.persson_gap.contact_of:relative_pressure
         rough.multiscale.rate_of:pressure""",
     "lubricated:velocity": """seal.lubricated.lubricated:velocity
-        seal.lubricated._checked:velocity checks.positive_arrays:arguments.velocity
-        seal.lubricated._group:scene.velocity seal.lubricated._case:scene.velocity
+        seal.lubricated._check:velocity checks.positive_arrays:arguments.velocity
+        seal.lubricated._solve:scene.velocity seal.lubricated._case:scene.velocity
         seal.film.follow:cases.parameter seal.film._walk:case.parameter
         seal.film.Case.with_parameter:parameter seal.film.solve:contact.parameter
         seal.film._newton:contact.parameter seal.film._balance:contact.parameter""",
@@ -86,7 +86,7 @@ BROKEN = [
     ("rolling:velocity", "solve_passages", "rule, velocity)", "rule, value)"),
     ("leak:pressure", "leak._seal", "_Seal(pressure", "_Seal(length"),
     ("leak:pressure", "leak.leak", "given.pressure, given", "given.length, given"),
-    ("lubricated:velocity", "_checked", "flat['velocity']", "flat['load']"),
+    ("lubricated:velocity", "_check", "flat['velocity']", "flat['load']"),
     ("lubricated:velocity", "_case", "scene.velocity", "scene.load"),
 ]
 # a record stays what it is

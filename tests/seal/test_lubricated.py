@@ -488,8 +488,8 @@ def test_what_is_traced_is_refused(name):
 def test_the_error_of_two_grids_is_their_difference():
     """What extrapolating changes is not known without a third."""
     coarser, coarse, fine = np.ones(11), np.full(11, 0.94), np.full(11, 0.92)
-    three = lubricated._judged(coarser, coarse, fine)
-    two = lubricated._judged(np.full(11, np.nan), coarse, fine)
+    three = lubricated._judge(coarser, coarse, fine)
+    two = lubricated._judge(np.full(11, np.nan), coarse, fine)
     assert (two.error >= 0.02).all()
     assert (three.error < two.error).all()
     assert not two.settled()

@@ -251,14 +251,14 @@ def conveyor(
             raise InputError(
                 f"{name} must be em.Idlers(cover, roll, spacing=...), got {side!r}."
             )
-    given = _checked(velocity, belt, goods, temperature, gravity)
+    given = _check(velocity, belt, goods, temperature, gravity)
     points = _ConveyorGiven(**broadcast(given._asdict()))
     speed, temperatures = points.velocity, points.temperature
     carry_weight = (points.belt + points.goods) * points.gravity
     return_weight = points.belt * points.gravity
     with warned_once():
-        loaded = _solve_side(carry, carry_weight, speed, temperatures, model, rtol)
-        empty = _solve_side(back, return_weight, speed, temperatures, model, rtol)
+        loaded = _solve(carry, carry_weight, speed, temperatures, model, rtol)
+        empty = _solve(back, return_weight, speed, temperatures, model, rtol)
     converged = loaded.converged & empty.converged
     weight = (2 * points.belt + points.goods) * points.gravity
     on_carry = nan_unless(converged, loaded.resistance)
@@ -284,7 +284,7 @@ def conveyor(
     )
 
 
-def _checked(
+def _check(
     velocity: ArrayLike,
     belt: ArrayLike,
     goods: ArrayLike,
@@ -305,7 +305,7 @@ def _checked(
     return given
 
 
-def _solve_side(
+def _solve(
     side: Idlers,
     weight: Array,
     velocity: Array,

@@ -257,7 +257,7 @@ def heat_build_up(
             "material must have a shift law for heat build-up, got "
             f"{foundation.name or 'one without'}."
         )
-    given = _checked(velocity, load, ambient, conductance, capacity, time)
+    given = _check(velocity, load, ambient, conductance, capacity, time)
     highest = _highest_temperature(foundation, hottest, given.ambient)
     points = _HeatGiven(**broadcast(given._asdict()))
     heat = points.capacity
@@ -267,7 +267,7 @@ def heat_build_up(
     with counted("rolling resistance while it warms up", sets) as count:
         rtol = check_rtol(rtol)
         body = _Body(foundation, shape, *points[:4], model, rtol, count)
-        state = _steady_state(body, highest, ignored)
+        state = _solve(body, highest, ignored)
         if not is_traced(foundation, shape, given):
             _warn_of_failures(state.converged, highest)
         if heat is None:
@@ -275,7 +275,7 @@ def heat_build_up(
         return _with_history(body, state, given, heat, time)
 
 
-def _checked(
+def _check(
     velocity: ArrayLike,
     load: ArrayLike,
     ambient: ArrayLike,
@@ -318,7 +318,7 @@ def _highest_temperature(
     return highest
 
 
-def _steady_state(body: _Body, highest: float, ignored: type[Warning]) -> _SteadyState:
+def _solve(body: _Body, highest: float, ignored: type[Warning]) -> _SteadyState:
     """Where P(T) = H (T - T_a): bracketed, then two steps of Newton's method, through
     the last of which derivatives pass.
     """

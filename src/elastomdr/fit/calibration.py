@@ -312,11 +312,11 @@ def calibrate(
         given,
         *((_STEPS, _ROUGHLY) if is_rough(shape) else (_STEPS_SMOOTH, _EXACTLY)),
     )
-    solution = _solved(task)
+    solution = _solve(task)
     values = dict(zip(names, solution.point.tolist(), strict=True))
     changed, shape, _ = applied(material, shape, scene, values, change)
     std = np.sqrt(np.diag(solution.covariance))
-    doubted = tuple(_doubts(names, std, spread, solution))
+    doubted = tuple(_judge(names, std, spread, solution))
     tell(doubted)
     return Calibration(
         material=changed,
@@ -336,7 +336,7 @@ def calibrate(
     )
 
 
-def _doubts(
+def _judge(
     names: list[str], std: np.ndarray, prior: np.ndarray, solution: _Solution
 ) -> Iterator[str]:
     """What cannot be relied on; `prior` are standard deviations without the data."""
@@ -455,7 +455,7 @@ class _Solution(NamedTuple):
     converged: bool
 
 
-def _solved(task: _Task) -> _Solution:
+def _solve(task: _Task) -> _Solution:
     """Least squares, repeated with the error that is left where none is given. Raises
     `InputError`.
     """

@@ -238,7 +238,7 @@ def friction_master(
             curve = np.abs(points.log_value - fit.posterior.residuals)
             size = np.maximum(curve, _LEAST * curve.max())
             fit = _infer(points, temperatures, size, known)
-    return _packed(points, temperatures, fit, reference, size)
+    return _report(points, temperatures, fit, reference, size)
 
 
 def _checked_data(given: Mapping[str, ArrayLike]) -> list[np.ndarray]:
@@ -356,7 +356,7 @@ def _first_coefficients(
     return np.linalg.solve(ridge, basis.T @ mu)
 
 
-def _packed(
+def _report(
     points: MeasuredPoints,
     temperatures: np.ndarray,
     fit: _FrictionFit,
@@ -388,7 +388,7 @@ def _packed(
         mu=points.log_value,
         number=points.isotherm,
         error=error,
-        warnings=tuple(_doubts(fit, temperatures - 273.15, x, spread, flat)),
+        warnings=tuple(_judge(fit, temperatures - 273.15, x, spread, flat)),
         converged=posterior.converged,
         _posterior=posterior,
         _spline=spline,
@@ -398,7 +398,7 @@ def _packed(
     return master
 
 
-def _doubts(
+def _judge(
     fit: _FrictionFit,
     celsius: np.ndarray,
     log10_a: np.ndarray,

@@ -253,7 +253,7 @@ def softening(
         omega=data.omega,
         small=np.exp(p[4:].reshape(-1, 2)),
         error=(float(sigma[0]), float(sigma[1])),
-        warnings=(*told, *_doubts(data, p, spread)),
+        warnings=(*told, *_judge(data, p, spread)),
     )
     strain, table = _table(sweeps) if form == "table" else _of_kraus(data, p[:4])
     tell(sweeps.warnings)
@@ -416,7 +416,7 @@ def _table(sweeps: Sweeps) -> tuple[np.ndarray, np.ndarray]:
     return np.exp(nodes), np.stack([storage, loss], -1)
 
 
-def _doubts(data: _Data, p: np.ndarray, spread: np.ndarray) -> Iterator[str]:
+def _judge(data: _Data, p: np.ndarray, spread: np.ndarray) -> Iterator[str]:
     """What cannot be relied on in Kraus' form through strain sweeps."""
     first, last = data.log_strain.min(), data.log_strain.max()
     log_storage = _factors(np.array([first, last - 0.01, last]), p[:4])[:, 0]

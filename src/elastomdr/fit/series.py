@@ -570,7 +570,7 @@ def prony(
     noise, systematic = weigh(joint.shifts.posterior.noise, points, balance)
     data = Data(points, noise, joint.shifts.posterior.weights, joint.inflation)
     chosen = choose_terms(with_loss(data, joint, state), terms, equilibrium)
-    series = _solved(data, joint, state, chosen)
+    series = _solve(data, joint, state, chosen)
     trades = trade_off(points) if systematic else ()
     warnings = series.doubts(data, joint, trades, measured.omega)
     if kind == "tensile" and poisson is None:
@@ -730,7 +730,7 @@ class _Series(NamedTuple):
         return Range(self.limits, measured_at, misfit=misfit)
 
 
-def _solved(data: Data, joint: Joint, state: AtReference, chosen: Terms) -> _Series:
+def _solve(data: Data, joint: Joint, state: AtReference, chosen: Terms) -> _Series:
     """The series of a choice of terms, with its uncertainty."""
     points, noise = data.points, data.noise
     off = chosen.posterior.residuals[: points.channel.size]

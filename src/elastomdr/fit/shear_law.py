@@ -320,7 +320,7 @@ def adhesion(
     freedom = points.mu.size - p.size
     scale = 1.0 if known else np.sqrt(chi / freedom)
     bounds = _intervals(points, size, p, chi, scale, freedom, known)
-    fit = _packed(
+    fit = _report(
         every, data, computed, used, p, bounds, size * scale, reference, known, success
     )
     tell(fit.warnings)
@@ -652,7 +652,7 @@ def _estimate(points: _FittedPoints, p: np.ndarray, bounds: list[Ends]) -> _Esti
     return _Estimate(values, interval, open_ends)
 
 
-def _packed(
+def _report(
     points: _FittedPoints,
     data: _MeasuredFriction,
     computed: Mapping[float, _Computed],
@@ -695,11 +695,11 @@ def _packed(
     )
     misfit = float(np.sqrt(np.mean((fit.residuals[used] / size) ** 2)))
     return replace(
-        fit, warnings=tuple(_doubts(points, fit, estimate, misfit if known else 0.0))
+        fit, warnings=tuple(_judge(points, fit, estimate, misfit if known else 0.0))
     )
 
 
-def _doubts(
+def _judge(
     points: _FittedPoints, fit: AdhesionFit, estimate: _Estimate, misfit: float
 ) -> Iterator[str]:
     """What cannot be relied on; `misfit` is the rms of the residuals over the error

@@ -85,7 +85,7 @@ def half_plane_sliding(
 
     Source: the problem is that of Hunter 1961, there for one relaxation time.
     """
-    foundation, cylinder_radius = _checked(material, radius)
+    foundation, cylinder_radius = _check(material, radius)
     load = as_float64("load_per_length", load_per_length)
     positive("load_per_length", load)
     scene = points_of(
@@ -132,7 +132,7 @@ def half_plane_sliding(
     )
 
 
-def _checked(material: Material, radius: Number) -> tuple[Foundation, Any]:
+def _check(material: Material, radius: Number) -> tuple[Foundation, Any]:
     """The half-space and the radius. Raises `InputError`."""
     foundation = as_foundation(material)
     if foundation.per_area:
@@ -156,10 +156,10 @@ def _point(problem: _Problem, points: int) -> tuple[_CylinderContact, float]:
         if not rough.settled:
             continue
         coarse = [
-            _solved(problem, window, rough.edges, count, lead)
+            _solve(problem, window, rough.edges, count, lead)
             for count in (3 * points // 8, 3 * points // 4, points // 2)
         ]
-        fine = _solved(problem, window, coarse[-1].edges, points, lead)
+        fine = _solve(problem, window, coarse[-1].edges, points, lead)
         if all(one.settled and one.inside for one in (*coarse, fine)):
             return fine, 2 * max(abs(fine.mu - one.mu) for one in coarse)
     return _FAILED, np.nan
@@ -172,7 +172,7 @@ def _near_contact(
     cells: a glassy one is narrow.
     """
     window = np.array([-widest, widest])
-    rough = _solved(problem, window, 0.5 * window, 128, lead)
+    rough = _solve(problem, window, 0.5 * window, 128, lead)
     for _ in range(_WINDOWS):
         if not rough.settled:
             break
@@ -180,11 +180,11 @@ def _near_contact(
         window = rough.edges + 0.1 * length * np.array([-1.0, 1.0])
         if rough.inside and np.ptp(window) > 0.5 * np.ptp(before):
             break
-        rough = _solved(problem, window, rough.edges, 128, lead)
+        rough = _solve(problem, window, rough.edges, 128, lead)
     return window, rough
 
 
-def _solved(
+def _solve(
     problem: _Problem, window: np.ndarray, edges: np.ndarray, count: int, lead: float
 ) -> _CylinderContact:
     """The contact on `count` cells of a window, begun between `edges`."""

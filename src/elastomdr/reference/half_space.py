@@ -297,12 +297,12 @@ def _near_contact(
     where it does not settle.
     """
     window = np.array([-1.6, 1.6, 1.6])
-    rough = _solved(problem, window, _round(32), lead)
+    rough = _solve(problem, window, _round(32), lead)
     for _ in range(_WINDOWS):
         if rough.inside:
             break
         window = 1.5 * window
-        rough = _solved(problem, window, _round(32), lead)
+        rough = _solve(problem, window, _round(32), lead)
     enough = rough.settled and rough.inside and int(rough.touching.sum()) >= _FEWEST
     return window if enough else None, rough
 
@@ -330,7 +330,7 @@ def _on_fine_cells(
 
     def solved(count: int, start: _BodyContact, of: np.ndarray) -> _BodyContact:
         begun = _seen(start.touching, of, closer, count)
-        return _solved(problem, closer, begun, lead)
+        return _solve(problem, closer, begun, lead)
 
     coarse = solved(cells // 2, rough, window)
     fine = solved(cells, coarse, closer)
@@ -362,7 +362,7 @@ def _seen(
     return touching[np.ix_(i, j)]
 
 
-def _solved(
+def _solve(
     problem: _CellProblem, window: np.ndarray, start: np.ndarray, lead: float
 ) -> _BodyContact:
     """The contact in a window from window[0] to window[1] along the motion, and

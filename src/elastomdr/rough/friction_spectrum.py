@@ -38,7 +38,7 @@ from ..surface.rough_line import RoughLine
 from .ensemble import LinePoints, coarse_at
 from .free_steps import line_law
 from .line import ensemble_words, surface_words
-from .line_problem import RoughScene, set_up
+from .line_problem import RoughScene, check
 from .period import coefficients, motion
 from .periodic import Job, SolvedLine, rises, solve_states
 from .problem import RoughCall, not_rough
@@ -114,9 +114,9 @@ def friction_spectrum(
     _check(foundation, surface, per_decade)
     model = of_line(model, "friction_spectrum")
     asked = Asked(velocity, load, None, pressure, temperature)
-    scene = set_up(RoughCall(foundation, surface, asked, rtol), model)
+    scene = check(RoughCall(foundation, surface, asked, rtol), model)
     edges = _edges(surface, scene.lines[0], int(per_decade))
-    mu, error, good = _by_bands(scene, model.average, float(rtol), edges)
+    mu, error, good = _solve(scene, model.average, float(rtol), edges)
     warn_unless(good, "points")
     points = scene.at
     outside = excited_outside(
@@ -125,7 +125,7 @@ def friction_spectrum(
     beyond = rough_beyond(
         foundation.range, outside, points.full(points.temperature), points.shape
     )
-    spectrum = _packed(scene, edges, mu, error, good, beyond)
+    spectrum = _report(scene, edges, mu, error, good, beyond)
     inputs = [
         *scene.inputs(("surface", surface_words(surface, scene.lines[0]))),
         ("ensemble", ensemble_words(scene.seeds, scene.lines[0].count)),
@@ -163,7 +163,7 @@ def _directions(average: bool) -> tuple[np.ndarray, np.ndarray]:
     return rule.cosines, rule.weights
 
 
-def _by_bands(
+def _solve(
     scene: RoughScene, average: bool, rtol: float, edges: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """mu by bands of wave number (points, bands), the error of its sum and where there
@@ -199,7 +199,7 @@ def _by_bands(
     return mu, error, good & ~coarse_at(error, mu.sum(axis=1))
 
 
-def _packed(
+def _report(
     scene: RoughScene,
     edges: np.ndarray,
     mu: np.ndarray,

@@ -30,7 +30,7 @@ from .ensemble import (
 )
 from .flash import SETTLED, Flash, warmed
 from .heat import NO_STATE, Branch, Heat, why_no_state
-from .line_problem import RoughScene, factor, load_level, missed, set_up
+from .line_problem import RoughScene, check, factor, load_level, missed
 from .periodic import Job, SolvedLine, solve_lines, strides_of
 from .problem import RoughCall
 from .surface import SOFTENING_LEFT_OUT, excited_beyond
@@ -71,7 +71,7 @@ class _Solver:
     def warm(self, heat: Heat, cold: Mean, branch: Branch) -> Flash:
         """The points of the scene, at the temperatures that their friction makes."""
         points, length = self.scene.at, self.scene.length
-        assert isinstance(self.surface, AbstractSpectrum)  # `set_up` refuses others
+        assert isinstance(self.surface, AbstractSpectrum)  # `check` refuses others
 
         def at_pressure(
             reduced: np.ndarray, pressure: np.ndarray, coarse: bool
@@ -146,11 +146,11 @@ class _LineAnswer(NamedTuple):
 def rough_friction(call: RoughCall, model: LineModel) -> FrictionCurve:
     """`em.friction` of a rough line or surface on lines; see there."""
     surface, heat = call.surface, call.heat
-    scene = set_up(call, model)
+    scene = check(call, model)
     solver = _Solver(scene, call, model)
     cold = solver.cold()
     warm = None if heat is None else solver.warm(heat, cold, call.branch)
-    answer = _judged(scene, cold, warm)
+    answer = _judge(scene, cold, warm)
     points, foundation = scene.at, scene.at.foundation
     states: list[tuple[str, str]] = []
     if warm is not None:
@@ -163,7 +163,7 @@ def rough_friction(call: RoughCall, model: LineModel) -> FrictionCurve:
     beyond = rough_beyond(
         foundation.range, outside, points.temperature, points.shape, answer.rise()
     )
-    curve = _packed(scene, surface, answer, spread, far)
+    curve = _report(scene, surface, answer, spread, far)
     return dataclasses.replace(
         curve,
         model=_model(scene, model.average, heat),
@@ -174,7 +174,7 @@ def rough_friction(call: RoughCall, model: LineModel) -> FrictionCurve:
     )
 
 
-def _judged(scene: RoughScene, cold: Mean, warm: Flash | None) -> _LineAnswer:
+def _judge(scene: RoughScene, cold: Mean, warm: Flash | None) -> _LineAnswer:
     """The answer at the temperatures that friction makes, if it heats, and which points
     have one.
     """
@@ -225,7 +225,7 @@ def _model_bounds(
     return spread, np.nan if softens else factor(surface, model) - 1
 
 
-def _packed(
+def _report(
     scene: RoughScene,
     surface: Surface,
     answer: _LineAnswer,
@@ -309,7 +309,7 @@ def _inputs(
 @in_float64
 def rough_plan(call: RoughCall, model: LineModel) -> RoughPlan:
     """`em.plan` of a rough line or surface on lines; see there."""
-    return _plan(set_up(call, model), call, model)
+    return _plan(check(call, model), call, model)
 
 
 def _plan(scene: RoughScene, call: RoughCall, model: LineModel) -> RoughPlan:

@@ -21,7 +21,7 @@ from ..surface.rough_line import RoughLine
 from .ensemble import LinePoints
 from .free_steps import line_law
 from .line import surface_words
-from .line_problem import RoughScene, set_up
+from .line_problem import RoughScene, check
 from .period import coefficients, motion
 from .periodic import Job, SolvedLine, rises, solve_states
 from .problem import RoughCall, not_rough
@@ -76,10 +76,10 @@ def line_contact(
 
     Exact for the line. Not differentiable.
     """
-    model = _checked(surface, model)
+    model = _check(surface, model)
     solid: Any = material  # `over_materials` has taken a list apart
     asked = Asked(velocity, load, depth, pressure, temperature)
-    scene = set_up(RoughCall(solid, surface, asked, rtol), model)
+    scene = check(RoughCall(solid, surface, asked, rtol), model)
     points = scene.at
     for name, value in vars(asked).items():
         if np.size(value) != 1:
@@ -90,10 +90,10 @@ def line_contact(
     known = points.foundation.range
     outside = excited_outside(known, surface, points.reduced.reshape(()))
     beyond = rough_beyond(known, outside, points.temperature, ())
-    return _packed(scene, surface, field, beyond)
+    return _report(scene, surface, field, beyond)
 
 
-def _checked(surface: Surface, model: ModelLike | None) -> Line:
+def _check(surface: Surface, model: ModelLike | None) -> Line:
     """The model with its first seed. Raises `InputError`."""
     if not is_rough(surface):
         raise not_rough(surface)
@@ -110,7 +110,7 @@ def _checked(surface: Surface, model: ModelLike | None) -> Line:
     )
 
 
-def _packed(
+def _report(
     scene: RoughScene, surface: Surface, field: _Field, beyond: tuple[Doubt, ...]
 ) -> LineContact:
     """The result: one error, one flag at every sample."""

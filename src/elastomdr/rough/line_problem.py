@@ -74,7 +74,7 @@ class RoughScene(NamedTuple):
         )
 
 
-def set_up(call: RoughCall, model: Line) -> RoughScene:
+def check(call: RoughCall, model: Line) -> RoughScene:
     """Checks the arguments and makes the lines. Raises `InputError`."""
     surface, asked, heat = call.surface, call.asked, call.heat
     foundation = as_foundation(call.material)

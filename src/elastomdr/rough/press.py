@@ -121,7 +121,7 @@ def press(
     at rest with respect to material, surface, pressure, time and temperature. Source:
     Popov & Hess 2015, ch. 10; Barber, Proc. R. Soc. A 459 (2003) 53; `docs/theory.md`.
     """
-    foundation, model = _checked(material, surface, model, time, velocity)
+    foundation, model = _check(material, surface, model, time, velocity)
     points = _points(foundation, surface, pressure, time, velocity, temperature)
     traced = is_traced(foundation, surface, pressure, time, velocity, temperature)
     if traced and velocity is not None:
@@ -137,7 +137,7 @@ def press(
         if velocity is None
         else _sliding(points, lines, length, foundation)
     )
-    contact = _packed(points, surface, model, lines, solved, traced)
+    contact = _report(points, surface, model, lines, solved, traced)
     warn_unless(solved.good, "points")
     inputs = [
         *material_in_words(foundation),
@@ -153,13 +153,13 @@ def press(
         contact,
         thermal=_times(good, conductance, conductivity, "conductivity", False),
         electrical=_times(good, conductance, resistivity, "resistivity", True),
-        marks=_doubts(points),
+        marks=_judge(points),
         model="MDR line of the interface" + rule,
         inputs=tuple(inputs),
     )
 
 
-def _checked(
+def _check(
     material: Material,
     surface: Surface,
     model: ModelLike | None,
@@ -188,7 +188,7 @@ def _checked(
     return foundation, chosen
 
 
-def _packed(
+def _report(
     points: _Points,
     surface: Surface,
     model: Line,
@@ -450,7 +450,7 @@ def _times(
     return nan_unless(good, conductance / xp.sum(each if inverse else 1 / each))
 
 
-def _doubts(points: _Points) -> tuple[Doubt, ...]:
+def _judge(points: _Points) -> tuple[Doubt, ...]:
     """Points beyond the data of the material, and pressures above its modulus: at rest
     those of the time, in sliding by frequency of excitation, and at the longest waves;
     and a softening, which lines do not follow.

@@ -180,7 +180,7 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     """`em.friction` of a surface that is given by its spectrum, under a pressure; see
     there.
     """
-    foundation, surface, scene = _set_up(call, model)
+    foundation, surface, scene = _check(call, model)
     heat, adhesion, rtol = call.heat, call.adhesion, call.rtol
     check_adhesion(adhesion, call.asked.temperature)
     strain_share = _checked_share(call.strain_share)
@@ -197,7 +197,7 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
         float(rtol),
         call.progress,
     )
-    answer = _solved(call, scene, model, problem)
+    answer = _solve(call, scene, model, problem)
     states: list[tuple[str, str]] = []
     if not scene.traced:
         if heat is not None:
@@ -226,7 +226,7 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     label = surface_in_words(surface)
     inputs = _inputs(scene, label, surface, heat, answer, strained, of_data, outside)
     inputs += turned.rows + states
-    curve = _packed(scene, model, answer, strained, turned, of_data)
+    curve = _report(scene, model, answer, strained, turned, of_data)
     curve = dataclasses.replace(
         curve,
         model=curve.model + _hot(model, heat),
@@ -243,11 +243,11 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
         )
     if scene.traced or curve.model_error is None:
         return curve
-    wide = _wide_bound(curve, model, answer, strained, turned)
+    wide = _judge(curve, model, answer, strained, turned)
     return dataclasses.replace(curve, marks=(*curve.marks, *wide))
 
 
-def _solved(
+def _solve(
     call: RoughCall, scene: SteadyScene, model: SurfaceModel, problem: RoadProblem
 ) -> _Answer:
     """Friction at the temperatures that are given or, with `heat`, that it makes."""
@@ -400,7 +400,7 @@ def _inputs(
     return rows
 
 
-def _wide_bound(
+def _judge(
     curve: FrictionCurve,
     model: SurfaceModel,
     answer: _Answer,
@@ -468,7 +468,7 @@ def excited_beyond(outside: Array) -> tuple[str, str]:
     return "outside the data", sentence
 
 
-def _packed(
+def _report(
     scene: SteadyScene,
     model: SurfaceModel,
     answer: _Answer,
@@ -773,7 +773,7 @@ def _softening_words(
 
 def surface_plan(call: RoughCall, model: SurfaceModel) -> SurfacePlan:
     """`em.plan` of a surface under a pressure; see there."""
-    foundation, surface, scene = _set_up(call, model)
+    foundation, surface, scene = _check(call, model)
     return _plan(
         foundation, scene, surface, model, call.heat, surface_in_words(surface)
     )
@@ -803,7 +803,7 @@ def _hot(model: SurfaceModel, heat: Heat | None) -> str:
     return _HOT if model.by_wave() is None else _HOT_BY_SCALE
 
 
-def _set_up(
+def _check(
     call: RoughCall, model: SurfaceModel
 ) -> tuple[Foundation | TabulatedFoundation, AbstractSpectrum, SteadyScene]:
     """The foundation, the surface and the points, checked. Raises `InputError`."""

@@ -432,7 +432,7 @@ def leak(
     as_spectrum("surface", surface)
     chosen = _channels(model)
     seal = _seal(pressure, profile, o_ring, length)
-    given = _checked(
+    given = _check(
         {
             "pressure": seal.pressure,
             "pressure_drop": pressure_drop,
@@ -465,8 +465,8 @@ def leak(
     warn_unless(good, "points", reason=why)
     doubts = rest.doubts(seal.peak, shape, chosen.softens)
     inputs = tuple(_inputs_in_words(foundation, pressed, given, seal))
-    found = _found(given, flow, good, inputs)
-    wide = _wide_by_heights(pressed, found.model_error, good)
+    found = _report(given, flow, good, inputs)
+    wide = _judge(pressed, found.model_error, good)
     of_ring = () if o_ring is None else o_ring.examined()
     theirs = carried(of_ring, lambda points: xp.broadcast_to(points.any(), shape))
     return dataclasses.replace(found, marks=(*doubts, *wide, *theirs))
@@ -635,7 +635,7 @@ _STEEP = (
 _CHECKS = {"outlet_pressure": check_absolute, "mean_free_path": not_negative}
 
 
-def _checked(arguments: dict[str, ArrayLike | None], peak: ArrayLike) -> LeakGiven:
+def _check(arguments: dict[str, ArrayLike | None], peak: ArrayLike) -> LeakGiven:
     """The arguments as arrays. Raises `InputError`."""
     arrays = {
         name: as_float64(name, value)
@@ -675,7 +675,7 @@ def _checked(arguments: dict[str, ArrayLike | None], peak: ArrayLike) -> LeakGiv
     return given
 
 
-def _found(
+def _report(
     given: LeakGiven, flow: SealFlow, good: Array, inputs: tuple[tuple[str, str], ...]
 ) -> Leak:
     """The result but for its marks, one of which depends on its bound."""
@@ -753,7 +753,7 @@ def _heights_in_words(pressed: PressedSeal) -> list[str]:
     return remarks
 
 
-def _wide_by_heights(
+def _judge(
     pressed: PressedSeal, model_error: Array | None, good: Array
 ) -> tuple[Doubt, ...]:
     """Where the bound is wide, of a surface whose lay or skewness is a part of it."""

@@ -315,7 +315,7 @@ def lubricated(
         }
     )
     solid: Any = material  # `over_materials` has taken a list apart
-    scene = _checked(
+    scene = _check(
         solid, shape, velocity, load, viscosity, temperature, time, rubber, surface
     )
     one_of("flow_factor", flow_factor, *_ROUGH)
@@ -325,7 +325,7 @@ def lubricated(
     with one_thread():
         for points in scene.groups():
             for i, result in zip(
-                points, _group(scene, points, rough, shear), strict=True
+                points, _solve(scene, points, rough, shear), strict=True
             ):
                 solved[i] = result
     good = np.array([each.good for each in solved])
@@ -336,7 +336,7 @@ def lubricated(
     )
     warn_unless(good, "points", reason=flat if lost else "")
     model = _MODEL + ("" if surface is None else _ROUGH[flow_factor])
-    return _packed(scene, solved, good, model, shear)
+    return _report(scene, solved, good, model, shear)
 
 
 class _Solved(NamedTuple):
@@ -376,7 +376,7 @@ class _FilmScene(NamedTuple):
             yield np.flatnonzero(group == i)
 
 
-def _checked(
+def _check(
     material: Material,
     shape: Cylinder,
     velocity: ArrayLike,
@@ -468,7 +468,7 @@ class _Scales(NamedTuple):
     film: float  # a^2/R [m]
 
 
-def _group(
+def _solve(
     scene: _FilmScene,
     points: Array,
     rough: Roughness | None,
@@ -503,7 +503,7 @@ def _group(
         grid_numbers += [
             _numbers(each, *args) for each in by_grid[len(grid_numbers) - 1 :]
         ]
-        return _judged(*grid_numbers[-3:])
+        return _judge(*grid_numbers[-3:])
 
     def enough(number: int, by_grid: list[films.Film]) -> bool:
         return len(by_grid) >= _FEWEST and judged(number, by_grid).settled()
@@ -552,7 +552,7 @@ class _Judged(NamedTuple):
         return self.known() and bool((change < _CHANGED).all())
 
 
-def _judged(coarser: Array, coarse: Array, fine: Array) -> _Judged:
+def _judge(coarser: Array, coarse: Array, fine: Array) -> _Judged:
     """Of three grids. The extrapolated numbers are of fourth order, so that the error
     left in them is a sixteenth of their change or so; a quarter of it is taken.
     """
@@ -815,7 +815,7 @@ def _profile(film: films.Film, scales: _Scales) -> Array:
     )
 
 
-def _packed(
+def _report(
     scene: _FilmScene,
     solved: list[_Solved],
     good: Array,

@@ -282,7 +282,7 @@ def o_ring(
     arguments = {"diameter": diameter, "squeeze": squeeze}
     arguments |= {"time": time, "temperature": temperature}
     arguments |= {"fluid_pressure": fluid_pressure, "groove_width": groove_width}
-    given = _checked(arguments, _LARGEST_SQUEEZE[formula])
+    given = _check(arguments, _LARGEST_SQUEEZE[formula])
     shape = broadcast_shape(given._asdict())
     _check_groove(given)
     young, plane = (
@@ -295,8 +295,8 @@ def o_ring(
             accepted="given for a material without an equilibrium modulus",
             hint="it relaxes completely",
         )
-    load, width = _load_and_width(given, young, plane, formula)
-    ends = [_load_and_width(given, young, plane, name)[0] for name in ("held", "free")]
+    load, width = _solve(given, young, plane, formula)
+    ends = [_solve(given, young, plane, name)[0] for name in ("held", "free")]
     pressure = load / width
     factor, _ = thermal_factors(solid, given.temperature)
     sealing = _sealing_pressure(given, pressure, young / plane)
@@ -358,7 +358,7 @@ def _checked_material(material: object) -> Prony:
     return material
 
 
-def _checked(arguments: dict[str, ArrayLike | None], largest: float) -> _Cord:
+def _check(arguments: dict[str, ArrayLike | None], largest: float) -> _Cord:
     """The arguments as arrays. Raises `InputError`."""
     given = _Cord(
         **{
@@ -462,9 +462,7 @@ def check_rubber(material: object, ring: object) -> None:
         )
 
 
-def _load_and_width(
-    given: _Cord, young: Array, plane: Array, formula: str
-) -> tuple[Any, Any]:
+def _solve(given: _Cord, young: Array, plane: Array, formula: str) -> tuple[Any, Any]:
     """W [N/m], and the width 2a = sqrt(8 W d/(pi E*)) [m]."""
     diameter, squeeze = given.diameter, given.squeeze
     if formula == "lindley":

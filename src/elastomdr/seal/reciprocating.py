@@ -189,14 +189,14 @@ def reciprocating(
             accepted="one rubber (em.Prony, em.load_material(...)), that of the O-ring",
         )
     only_one({"profile": profile, "o_ring": o_ring})
-    motion = _motion(velocity_out, velocity_in, stroke, viscosity, width)
+    motion = _check(velocity_out, velocity_in, stroke, viscosity, width)
     if profile is not None:
         strokes = _of_profile(profile, motion)
         model, plan = "inverse theory", "closed form"
     else:
         strokes = _of_ring(material, o_ring, motion)
         model, plan = "inlet of Hertz' pressure", "em.lubricated"
-    return _packed(motion, strokes, model, plan)
+    return _report(motion, strokes, model, plan)
 
 
 class _Motion(NamedTuple):
@@ -217,7 +217,7 @@ class _Strokes(NamedTuple):
     entering: _Carried
 
 
-def _motion(
+def _check(
     velocity_out: ArrayLike,
     velocity_in: ArrayLike,
     stroke: float,
@@ -238,7 +238,7 @@ def _motion(
     return _Motion(*broadcast(arrays).values(), *numbers.values())
 
 
-def _packed(motion: _Motion, strokes: _Strokes, model: str, plan: str) -> Reciprocating:
+def _report(motion: _Motion, strokes: _Strokes, model: str, plan: str) -> Reciprocating:
     """The result of both strokes."""
     no_film = _no_film(strokes)
     source, leaving, entering = strokes.source, *map(_of_smooth, strokes[1:])
@@ -331,7 +331,7 @@ def _of_profile(profile: Profile, motion: _Motion) -> _Strokes:
         _inverse(x, p, motion.viscosity * motion.out)._replace(doubts=too_hard),
         _inverse(-x[::-1], p[::-1], motion.viscosity * motion.back),
     )
-    _doubt(strokes.leaving, strokes.entering)
+    _judge(strokes.leaving, strokes.entering)
     return strokes
 
 
@@ -354,7 +354,7 @@ def _inverse(x: Array, pressure: Array, drag: Array) -> _Carried:
     return _Carried(0.5 * film, sheared + pumped, error)
 
 
-def _doubt(*strokes: _Carried) -> None:
+def _judge(*strokes: _Carried) -> None:
     """Warns of a profile whose steepest place is not resolved."""
     error = max(float(np.max(each.error / each.film)) for each in strokes)
     if error > _DOUBTED:

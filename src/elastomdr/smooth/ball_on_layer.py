@@ -46,7 +46,7 @@ from .problem import (
     SmoothCall,
     Solved,
     check_edge,
-    on_layer_packed,
+    report_on_layer,
     too_deep,
 )
 from .softening import LINEAR
@@ -124,13 +124,13 @@ class _BallScene(NamedTuple):
 
 def ball_plan(call: SmoothCall) -> LayerPlan:
     """What is computed. Raises `InputError` for what has no meaning."""
-    return _set_up(call).plan
+    return _check(call).plan
 
 
 @one_thread()
 def ball_on_layer(call: SmoothCall) -> OnLayer:
     """Checks, solves and packs. Raises `InputError` for what has no meaning."""
-    scene = _set_up(call)
+    scene = _check(call)
     points, material, shape = scene.points, scene.material, scene.shape
     rtol, averaged, reduced = scene.plan.rtol, scene.averaged, scene.reduced
     force = value = points.at_reference()
@@ -156,10 +156,10 @@ def ball_on_layer(call: SmoothCall) -> OnLayer:
     solution = Solved(
         mu, error, bound, force, mean.depth, line.leading, line.trailing, good
     )
-    return on_layer_packed(points, solution, material, shape, scene.plan)
+    return report_on_layer(points, solution, material, shape, scene.plan)
 
 
-def _set_up(call: SmoothCall) -> _BallScene:
+def _check(call: SmoothCall) -> _BallScene:
     material, shape, rtol = call.material, call.shape, call.rtol
     assert isinstance(material, Layer)  # or the call would not come here
     check_edge(shape)

@@ -58,7 +58,7 @@ from .problem import (
     SmoothCall,
     Solved,
     nearly,
-    on_layer_packed,
+    report_on_layer,
     too_deep,
 )
 from .softening import LINEAR
@@ -130,13 +130,13 @@ class _CylinderScene(NamedTuple):
 
 def cylinder_plan(call: SmoothCall) -> LayerPlan:
     """What is computed. Raises `InputError` for what has no meaning."""
-    return _set_up(call).plan
+    return _check(call).plan
 
 
 def cylinder_on_layer(call: SmoothCall) -> OnLayer:
     """Checks, solves and packs. Raises `InputError` for what has no meaning."""
-    scene = _set_up(call)
-    contacts, sunk = _solved(scene)
+    scene = _check(call)
+    contacts, sunk = _solve(scene)
     points, shape = scene.points, scene.shape
     if not points.traced:
         _say(contacts, sunk, scene.body, shape, call.rtol)
@@ -150,10 +150,10 @@ def cylinder_on_layer(call: SmoothCall) -> OnLayer:
         -contacts.trailing,
         contacts.good,
     )
-    return on_layer_packed(points, solution, scene.body, shape, scene.plan)
+    return report_on_layer(points, solution, scene.body, shape, scene.plan)
 
 
-def _set_up(call: SmoothCall) -> _CylinderScene:
+def _check(call: SmoothCall) -> _CylinderScene:
     shape, body = _cylinder(call), _checked_body(call)
     check_rtol(call.rtol)
     layers = isinstance(body, Layer)
@@ -187,7 +187,7 @@ def _set_up(call: SmoothCall) -> _CylinderScene:
     return _CylinderScene(points, body, shape, carriers, misfit, plan)
 
 
-def _solved(scene: _CylinderScene) -> tuple[_Contacts, Array]:
+def _solve(scene: _CylinderScene) -> tuple[_Contacts, Array]:
     """The contacts, and which would sink into the ground under the layer."""
     points, carriers, plan = scene.points, scene.carriers, scene.plan
     layers, by_depth = isinstance(scene.body, Layer), plan.control == "depth"
@@ -445,7 +445,7 @@ def _level(search: _Search, order: int) -> _Level:
     return _Level(half, contact)
 
 
-def _judged(search: _Search, order: int, level: _Level, change: Array) -> _Contacts:
+def _judge(search: _Search, order: int, level: _Level, change: Array) -> _Contacts:
     """A level as a result; `change` is how much of the change of mu from the order
     before may be left in this one.
     """
@@ -532,7 +532,7 @@ def _by_orders(search: _Search, rtol: float) -> _Contacts:
         search = search._replace(guess=guess, slope=slope)
         level = _level(search, order)
         change = np.abs(level.contact.mu - before) / ((order / lower) ** _POWER - 1)
-        contacts = _judged(search, order, level, change)
+        contacts = _judge(search, order, level, change)
         for field, values in zip(result, contacts, strict=True):
             field[left] = values
         more = ~((contacts.good == 1) & _met(contacts, rtol, search.flat.radius))

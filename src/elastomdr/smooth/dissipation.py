@@ -29,7 +29,7 @@ from .cylinder import cylinder_losses
 from .on_layer import is_on_layer
 from .passage import Control, Losses, solve_losses
 from .plan import Plan
-from .problem import SmoothCall, SmoothScene, set_up, solve
+from .problem import SmoothCall, SmoothScene, check, solve
 from .solve import batch_size
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def dissipation(
     call = SmoothCall("dissipation", solid, shape, asked, model, rtol)
     if is_on_layer(material, shape):
         return _on_layer(dataclasses.replace(call, quantity="rolling"))
-    scene = set_up(call, softens=False)
+    scene = check(call, softens=False)
     _check_branches(scene.plan)
     return _shares(scene)
 

@@ -150,7 +150,7 @@ class OnLayer(NamedTuple):
     plan: LayerPlan
 
 
-def on_layer_packed(
+def report_on_layer(
     points: SteadyScene,
     solved: Solved,
     body: Body,
@@ -161,7 +161,7 @@ def on_layer_packed(
     name = describe(shape).replace(" on a layer", "")
     inputs = points.inputs(("shape", name), *plan.covers)
     inputs.append(("relative tolerance", f"{plan.rtol:g}"))
-    steady = packed(points, solved, body, tuple(inputs), ())
+    steady = report(points, solved, body, tuple(inputs), ())
     # the contact is wider than that of a half-space at this depth
     deep = doubt_depth(body, shape, shape._profile(steady.contact.leading))
     steady = steady._replace(marks=(*steady.marks, *deep))
@@ -181,7 +181,7 @@ class Solved(NamedTuple):
     good: Array
 
 
-def packed(
+def report(
     points: SteadyScene,
     solved: Solved,
     body: Body,
@@ -221,7 +221,7 @@ def _shaped(solved: Solved, vertical: Array, shape: tuple[int, ...]) -> Solved:
     return Solved(*fields, good=solved.good.reshape(shape))
 
 
-def set_up(call: SmoothCall, softens: bool = True) -> SmoothScene:
+def check(call: SmoothCall, softens: bool = True) -> SmoothScene:
     """Checks the arguments and plans the scene; without `softens` the moduli are those
     of small strain.
 
@@ -340,7 +340,7 @@ def solve(scene: SmoothScene) -> Steady:
         line.trailing,
         good,
     )
-    steady = packed(scene.points, solved, scene.foundation, inputs, marks)
+    steady = report(scene.points, solved, scene.foundation, inputs, marks)
     deep = doubt_depth(scene.foundation, scene.lines.shape, steady.depth)
     return steady._replace(marks=(*steady.marks, *deep), strain=strain, linear=linear)
 

@@ -159,7 +159,7 @@ def drive(
     deep = solution.seen.depth
     beyond = sliding_beyond(history, body.over, deep, deep)
     inputs = (*inputs, *history.inputs)
-    return _pack(history, solution, mounts["tangential"], body, plan, inputs, beyond)
+    return _report(history, solution, mounts["tangential"], body, plan, inputs, beyond)
 
 
 def _in_words(mount: Mount, per_length: bool) -> str:
@@ -327,7 +327,7 @@ def _missing(seen: MotionHistory) -> tuple[Any, Any]:
     return given - spent, xp.max(xp.maximum(xp.abs(given), xp.abs(spent)))
 
 
-def _pack(
+def _report(
     history: GivenHistory,
     solution: Levels,
     tangential: Mount | None,

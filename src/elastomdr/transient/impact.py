@@ -205,17 +205,17 @@ def impact(
     extra = {}
     if slips is not None:
         extra = {"tangential_velocity": slips.velocity, "friction": slips.friction}
-    scene = _scene(material, shape, mass, velocity, temperature, rtol, extra)
+    scene = _check(material, shape, mass, velocity, temperature, rtol, extra)
     solution = impacts(scene.body, per_area=scene.per_area, rtol=float(rtol))
     good, reason = solution.converged, _why_not(scene.body, solution)
     if isinstance(material, Layer):
         good, deep = _within_layer(material, scene.body.shape, solution)
         reason = deep or reason
     warn_unless(good, "impacts", f" to rtol={rtol:g}", reason)
-    return _pack(scene, shape, slips, solution, good)
+    return _report(scene, shape, slips, solution, good)
 
 
-def _pack(
+def _report(
     scene: _ImpactScene,
     shape: AbstractShape,
     slips: Slips | None,
@@ -232,7 +232,7 @@ def _pack(
         return nan_unless(good, field).T.reshape((*scene.shape, -1))
 
     duration = shaped(nan_unless(solution.timed, motion.duration))
-    beyond = _beyond(scene, duration)
+    beyond = _judge(scene, duration)
     history = ObliqueHistory(
         series(motion.time),
         series(motion.depth),
@@ -337,7 +337,7 @@ class _ImpactScene(NamedTuple):
     many: bool  # whether a list of materials was given
 
 
-def _scene(
+def _check(
     material: Any,
     shape: AbstractShape,
     mass: ArrayLike,
@@ -454,7 +454,7 @@ def _columns(
     return rates, moduli, viscosity
 
 
-def _beyond(scene: _ImpactScene, duration: np.ndarray) -> tuple[Doubt, ...]:
+def _judge(scene: _ImpactScene, duration: np.ndarray) -> tuple[Doubt, ...]:
     """An impact counts as a passage as long as its contact."""
     if all(foundation.range is None for foundation in scene.foundations):
         return ()

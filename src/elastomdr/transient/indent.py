@@ -273,17 +273,17 @@ def indent(
     disc, foundation = contact(material, shape)
     law, law_temperature, factor = at_temperature(foundation, temperature)
     bonds = _adhesion(adhesion)
-    course = _course(law, time, depth, load, pull=bonds is not None)
+    course = _check(law, time, depth, load, pull=bonds is not None)
     rtol = check_rtol(rtol, "1e-10", "1e-2")
     _check_depth(disc, course)
     if bonds is not None:
         _check_adhesion(law, disc, bonds)
-    solution = _solved(law, disc, course, bonds, rtol)
+    solution = _solve(law, disc, course, bonds, rtol)
     edge = solution.edge
     if isinstance(disc, LayerDisc):
         layer: Any = material
         incompressible_enough(layer, disc, solution.radius, solution.force)
-    shown = _accepted(solution, bonds is None, max(rtol, solution.held_to))
+    shown = _judge(solution, bonds is None, max(rtol, solution.held_to))
     every_time = xp.broadcast_to(course.time, solution.depth.shape)
     given_load = course.load is not None and course.depth is None
     beyond = history_beyond(
@@ -332,7 +332,7 @@ def indent(
     )
 
 
-def _accepted(solution: Indented, has_heat: bool, rtol: float) -> Any:
+def _judge(solution: Indented, has_heat: bool, rtol: float) -> Any:
     """Warns of instants that miss `rtol`; which of them are handed out."""
     asked = f" to rtol={rtol:g}"
     warn_unless(solution.converged, "instants", asked, solution.reason)
@@ -346,7 +346,7 @@ def _accepted(solution: Indented, has_heat: bool, rtol: float) -> Any:
     return solution.converged | (solution.error <= _WORST)
 
 
-def _solved(
+def _solve(
     law: Relaxation,
     disc: Disc,
     course: DepthOrLoad,
@@ -539,7 +539,7 @@ def _bound_on_edge(
     return Bound(size[..., None], why, "a smaller cutoff, or a deeper contact")
 
 
-def _course(
+def _check(
     law: Relaxation, time: Any, depth: Any, load: Any, pull: bool
 ) -> DepthOrLoad:
     """Checks a history and brings its parts to one shape. Raises `InputError`."""

@@ -141,9 +141,7 @@ def shear(
     laws = both_laws(material, tangential)
     per_area = standing([laws[0]], shape)
     name = only_one({"load": load, "depth": depth})
-    given = _checked_history(
-        laws, time, name, depth if load is None else load, displacement
-    )
+    given = _check(laws, time, name, depth if load is None else load, displacement)
     mu = scalar("friction", friction)
     require("friction", mu, "zero or positive, infinity included", lambda x: x >= 0)
     exact = elements is None and steps is None and _is_elastic(laws)
@@ -157,14 +155,14 @@ def shear(
     )
     reach = _reach(shape, laws[0].law(), per_area, name, given, cut.elements)
     scene = _scene(shape, laws, mu, reach)
-    sheared, error = _solved(scene, given, cut, exact)
+    sheared, error = _solve(scene, given, cut, exact)
     inside: Any = True
     if not isinstance(shape, FlatPunch):
         inside = sheared.contact_radius <= reach * (1 - 0.25 / cut.elements)
     good = np.isfinite(sheared.force) & np.isfinite(sheared.normal_force) & inside
     reason = "The contact is wider there than the body or the grid."
     warn_unless(good, "instants", reason=reason)
-    beyond, bound = _beyond(laws, given), bound_on(laws[0], SLIP)
+    beyond, bound = _judge(laws, given), bound_on(laws[0], SLIP)
     fields = {key: nan_unless(good, x) for key, x in sheared._asdict().items()}
     del fields["missed"]
     deep = doubt_depth(laws[0], shape, fields["depth"])
@@ -182,9 +180,7 @@ def shear(
     )
 
 
-def _beyond(
-    laws: tuple[Foundation, Foundation], given: Prescribed
-) -> tuple[Doubt, ...]:
+def _judge(laws: tuple[Foundation, Foundation], given: Prescribed) -> tuple[Doubt, ...]:
     """Instants beyond the range of both laws."""
     moved = given.displacement
     return history_beyond(
@@ -230,7 +226,7 @@ class _Cut(NamedTuple):
     elastic: bool
 
 
-def _checked_history(
+def _check(
     laws: tuple[Foundation, Foundation],
     time: ArrayLike,
     name: str,
@@ -283,7 +279,7 @@ def _turns(given: Prescribed) -> bool:
     return bool(np.any(np.diff(given.value) * np.diff(given.displacement) != 0))
 
 
-def _solved(
+def _solve(
     scene: ShearScene, given: Prescribed, cut: _Cut, exact: bool
 ) -> tuple[Sheared, Array]:
     """The history at the instants given, and the error of its force."""

@@ -195,7 +195,7 @@ def _indenter(lines: AbstractLines, history: GivenHistory) -> tuple[Levels, Slid
     sizes = known(contact_sizes(law, lines, history.control, history.value, duration))
 
     def within(reach: Array | float) -> tuple[Levels, SlidePlan, bool]:
-        return _within(lines, history, sizes, reach)
+        return _solve(lines, history, sizes, reach)
 
     return widened(within, 1.6 * sizes[1], sizes[1])
 
@@ -214,7 +214,7 @@ def _apart(history: GivenHistory) -> tuple[Levels, SlidePlan]:
     return solution, SlidePlan(0, 0, branches, 0, skipped_because)
 
 
-def _within(
+def _solve(
     lines: AbstractLines,
     history: GivenHistory,
     sizes: tuple[Any, Any],

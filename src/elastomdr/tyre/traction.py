@@ -47,7 +47,7 @@ from ..smooth.problem import (
     SmoothCall,
     SmoothScene,
     Steady,
-    set_up,
+    check,
     solve,
 )
 from ..surface.lines import SingleLine
@@ -335,7 +335,7 @@ def _on_line(
     asked = Asked(
         scene.velocity, scene.load, scene.depth, temperature=scene.temperature
     )
-    steady = set_up(
+    steady = check(
         SmoothCall("rolling", normal, scene.shape, asked, scene.model, scene.rtol),
         softens=False,
     )
@@ -347,10 +347,10 @@ def _on_line(
         solution.contact,
         solution.converged,
     )
-    pulled, missed = _pull(steady, solution, sheared, friction, scene)
+    pulled, missed = _solve(steady, solution, sheared, friction, scene)
     converged = solution.converged & ~xp.asarray(missed).reshape(steady.shape)
     warn_unless(converged, "tractions", known=~solution.converged)
-    return _packed(
+    return _report(
         scene,
         solution,
         creepage=xp.broadcast_to(scene.creepage, steady.shape),
@@ -381,7 +381,7 @@ def _foundations(
     return normal, sheared
 
 
-def _pull(
+def _solve(
     steady: SmoothScene,
     solution: Steady,
     sheared: Foundation,
@@ -494,7 +494,7 @@ def _is_elastic(law: Relaxation) -> bool:
     return not law.moduli.size and certain(lambda x: x == 0, law.viscosity)
 
 
-def _packed(
+def _report(
     scene: _TractionScene,
     solution: Steady,
     *,
@@ -605,7 +605,7 @@ def _on_layer(
         friction=friction.reshape(-1),
         creepage=np.abs(creepage).reshape(-1),
     )
-    return _packed(
+    return _report(
         scene,
         solution,
         creepage=creepage,

@@ -13,7 +13,7 @@ from ..checks import Array, is_traced
 from ..errors import InputError
 from ..smooth.on_layer import beside_layer, is_on_layer, on_layer, plan_on_layer
 from ..smooth.plan import Plan
-from ..smooth.problem import LayerPlan, SmoothCall, Steady, set_up, solve
+from ..smooth.problem import LayerPlan, SmoothCall, Steady, check, solve
 from ..smooth.softening import SOFTENED
 
 P = ParamSpec("P")
@@ -58,7 +58,7 @@ def steady_contact(call: SmoothCall) -> SteadyContact:
         solved = on_layer(call)
         plan = solved.plan
         return SteadyContact(solved.steady, solved.temperature, plan.model, plan, True)
-    scene = set_up(call)
+    scene = check(call)
     solution = beside_layer(solve(scene), call)
     return SteadyContact(
         solution,
@@ -73,7 +73,7 @@ def steady_plan(call: SmoothCall) -> Plan | LayerPlan:
     """The plan that `steady_contact` would follow. Raises `InputError`."""
     if is_on_layer(call.material, call.shape):
         return plan_on_layer(call)
-    return set_up(call).plan
+    return check(call).plan
 
 
 def in_64_bits_where(
