@@ -24,7 +24,7 @@ import scene
 import scipy.integrate
 
 from elastomdr.element.contact_step import rest
-from elastomdr.element.contact_step_solver import ContactStep, RigidSurface
+from elastomdr.element.elements import ContactStep, RigidSurface
 from elastomdr.material.relaxation import Relaxation
 
 # (leading edges, velocities) -> (mu, F_N)

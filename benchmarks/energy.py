@@ -20,10 +20,11 @@ from common import heading, one_core, save, table, timed, verdict
 
 one_core()
 import elastomdr as em  # noqa: E402
+from elastomdr.element.body_over_line import indenter  # noqa: E402
+from elastomdr.element.moving_body import MotionScene  # noqa: E402
 from elastomdr.material.relaxation import Relaxation  # noqa: E402
 from elastomdr.surface.lines import SingleLine  # noqa: E402
-from elastomdr.transient.body_motion import MotionScene, run  # noqa: E402
-from elastomdr.transient.body_over_line import indenter  # noqa: E402
+from elastomdr.transient.march import run  # noqa: E402
 from elastomdr.transient.problem import Steps  # noqa: E402
 
 SOLID, BALL = em.Foundation(1.0, [1.0, 3.0], [0.02, 0.5]), em.Paraboloid(1.0)

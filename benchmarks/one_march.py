@@ -4,7 +4,7 @@ loop?
     python benchmarks/one_march.py
 
 Large problems of sliding and driven bodies and falling loads are one `diffrax.diffeqsolve` of blocks of 64 contact steps
-(`elastomdr.element.contact_step_solver.in_blocks`). Here `jax.lax.scan` takes its
+(`elastomdr.element.elements.in_blocks`). Here `jax.lax.scan` takes its
 place: it makes the same steps and must give the same numbers. Each figure is from a
 process of its own, without compiled code from before, in processor seconds on one core;
 the ways take turns. `numpy` is the same march on NumPy, as small problems take it.
@@ -132,7 +132,7 @@ def march_by_scan() -> None:
     """`jax.lax.scan` in place of diffrax's loop."""
     import jax
 
-    from elastomdr.element import contact_step_solver as module
+    from elastomdr.element import elements as module
 
     def in_scan(block: Callable[..., Any], start: Any, blocks: Any) -> tuple[Any, Any]:
         return jax.lax.scan(block, start, blocks)

@@ -57,9 +57,10 @@ def main() -> None:
     import jax
     import jax.numpy as jnp
 
+    from elastomdr.element.body_over_line import rough
+    from elastomdr.element.moving_body import MotionScene
     from elastomdr.material.relaxation import Relaxation
-    from elastomdr.transient.body_motion import MotionScene, run
-    from elastomdr.transient.body_over_line import rough
+    from elastomdr.transient.march import run
     from elastomdr.transient.problem import Steps
 
     jax.config.update("jax_enable_x64", True)

@@ -73,7 +73,6 @@ GROUPS = {
         "Layer",
         "springs",
         "Foundation",
-        "ContactStep",
     ),
     "Shapes and surfaces": (
         "Sphere",
@@ -347,8 +346,10 @@ def _groups() -> dict[str, dict[str, str]]:
     found = {
         title: {name: homes[name] for name in names} for title, names in groups.items()
     }
+    elements = ROOT / "src" / "elastomdr" / "element" / "elements.py"
     return found | {
-        f"em.{package}": _members(package) for package in ("fit", "reference")
+        "em.elements": dict.fromkeys(_table(elements, "__all__"), "element.elements"),
+        **{f"em.{package}": _members(package) for package in ("fit", "reference")},
     }
 
 

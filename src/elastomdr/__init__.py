@@ -45,7 +45,6 @@ _HOMES = {
     "surface.spectrum": ("SelfAffine", "Spectrum"),
     "element.law": ("Foundation", "half_space", "springs"),
     "element.layer": ("Layer", "layer"),
-    "element.contact_step_solver": ("ContactStep",),
     "rough.adhesion": ("AdhesiveShear",),
     "rough.heat": ("Heat",),
     "smooth.plan": ("Plan",),
@@ -74,7 +73,7 @@ _HOMES = {
     "transient.slide": ("slide",),
     "transient.drive": ("drive",),
     "belt.stability": ("Stability", "stability"),
-    "transient.body_motion": ("Mount",),
+    "element.moving_body": ("Mount",),
     "io.dma": ("read_dma",),
     "io.point_tables": ("MeasuredFriction", "read_friction", "read_shifts"),
     "io.spectrum": ("read_spectrum",),
@@ -87,7 +86,7 @@ _HOMES = {
     "rough.results": ("LineContact", "RoughContact"),
     "tyre.traction_result": ("Traction",),
 }
-_PACKAGES = ("fit", "reference")
+_PACKAGES = {"fit": ".fit", "reference": ".reference", "elements": ".element.elements"}
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}
 
 __all__ = ["__version__", *sorted([*_MODULE_OF, *_PACKAGES])]
@@ -95,7 +94,7 @@ __all__ = ["__version__", *sorted([*_MODULE_OF, *_PACKAGES])]
 
 def __getattr__(name: str) -> Any:
     if name in _PACKAGES:
-        return importlib.import_module(f".{name}", __name__)
+        return importlib.import_module(_PACKAGES[name], __name__)
     if name not in _MODULE_OF:
         from .errors import closest
 

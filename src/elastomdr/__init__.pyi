@@ -9,12 +9,13 @@ from .belt.heat_build_up import HeatBuildUp as HeatBuildUp
 from .belt.heat_build_up import heat_build_up as heat_build_up
 from .belt.stability import Stability as Stability
 from .belt.stability import stability as stability
-from .element.contact_step_solver import ContactStep as ContactStep
+from .element import elements as elements
 from .element.law import Foundation as Foundation
 from .element.law import half_space as half_space
 from .element.law import springs as springs
 from .element.layer import Layer as Layer
 from .element.layer import layer as layer
+from .element.moving_body import Mount as Mount
 from .errors import ConvergenceWarning as ConvergenceWarning
 from .errors import ExtrapolationWarning as ExtrapolationWarning
 from .errors import InputError as InputError
@@ -87,7 +88,6 @@ from .surface.spectrum import SelfAffine as SelfAffine
 from .surface.spectrum import Spectrum as Spectrum
 from .sweeps.run import sweep as sweep
 from .transient.adhesive_contact import Adhesion as Adhesion
-from .transient.body_motion import Mount as Mount
 from .transient.drive import drive as drive
 from .transient.history_result import Drive as Drive
 from .transient.history_result import ForceSpectrum as ForceSpectrum

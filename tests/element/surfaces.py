@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 
 from elastomdr.element.contact_step import rest
-from elastomdr.element.contact_step_solver import ContactStep, RigidSurface
+from elastomdr.element.elements import ContactStep, RigidSurface
 
 
 class Indenter(eqx.Module):

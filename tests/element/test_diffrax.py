@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from elastomdr.element.contact_step import rest
-from elastomdr.element.contact_step_solver import ContactStep, RigidSurface
+from elastomdr.element.elements import ContactStep, RigidSurface
 from elastomdr.element.law import Foundation
 from elastomdr.errors import InputError
 from elastomdr.material.relaxation import Relaxation

@@ -17,10 +17,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import elastomdr as em
+from elastomdr.element.body_over_line import indenter
+from elastomdr.element.moving_body import MotionScene, Mount
 from elastomdr.surface.lines import SingleLine
 from elastomdr.transient import march, refinement
-from elastomdr.transient.body_motion import MotionScene, Mount, run
-from elastomdr.transient.body_over_line import indenter
+from elastomdr.transient.march import run
 from elastomdr.transient.problem import even_steps
 
 from ..refused import refused

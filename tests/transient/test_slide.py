@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.element.body_over_line import indenter, settle
+from elastomdr.element.moving_body import MotionScene
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.surface.lines import SingleLine
-from elastomdr.transient import body_motion
-from elastomdr.transient.body_motion import MotionScene, run
-from elastomdr.transient.body_over_line import indenter
-from elastomdr.transient.march import settle
+from elastomdr.transient import march
+from elastomdr.transient.march import run
 from elastomdr.transient.problem import Steps, cut, timeline
 
 from ..refused import refused
@@ -187,13 +187,13 @@ def test_one_compiled_program_serves_all_levels(monkeypatch):
     """Elements beyond the others, steps without length, and how a motion is cut into
     pieces change nothing.
     """
-    piece = body_motion._piece.__wrapped__
+    piece = march._piece.__wrapped__
     program = jax.jit(
         lambda *args, **options: piece(*args, **options),
         static_argnames=("control", "viscous", "balance"),
     )
     with monkeypatch.context() as patched:
-        patched.setattr(body_motion, "_piece", program)
+        patched.setattr(march, "_piece", program)
         patched.setattr("elastomdr.transient.refinement._PATIENCE", -1.0)
         found = em.slide(
             RUBBER, BALL, time=[0.0, 0.1], position=[0.0, 0.0], load=10.0, rtol=1e-4

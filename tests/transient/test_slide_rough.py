@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.element.body_over_line import rough
+from elastomdr.element.moving_body import MotionScene
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.surface.rough_line import spline, spline_coefficients
-from elastomdr.transient.body_motion import MotionScene, run
-from elastomdr.transient.body_over_line import rough
+from elastomdr.transient.march import run
 from elastomdr.transient.problem import Steps
 
 RUBBER = em.Foundation(4e6, [12e6, 3e6], [1e-3, 1e-1])

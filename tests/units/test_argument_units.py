@@ -26,7 +26,6 @@ NONSENSE = Q(3.0, "kg*mol*cd")
 NUMBERS = re.compile(r"ArrayLike|Number|\bfloat\b|\bint\b|PixelSize|Heights|ndarray")
 ANSWERS = {  # what a call returns, not what it takes
     "Plan",
-    "ContactStep",
     "MeasuredFriction",
     "Dma",
     "MasterCurve",

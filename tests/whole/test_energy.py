@@ -9,12 +9,13 @@ import pytest
 from scipy.integrate import quad
 
 import elastomdr as em
+from elastomdr.element.body_over_line import indenter
 from elastomdr.element.episode import energies, follow, pressed, recovery_modes
+from elastomdr.element.moving_body import MotionScene
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.surface.lines import SingleLine
 from elastomdr.transient import load_steps
-from elastomdr.transient.body_motion import MotionScene, run
-from elastomdr.transient.body_over_line import indenter
+from elastomdr.transient.march import run
 from elastomdr.transient.problem import Steps
 
 from ..refused import warned

@@ -547,7 +547,6 @@ OTHERS |= {
     "Dma",
 }
 OTHERS |= {"FrictionMaster", "MaterialFit", "MasterCurve", "SofteningFit"}
-OTHERS |= {"ContactStep"}  # of diffrax, whose classes look at their fields
 # take seconds and more
 OTHERS |= {"drive", "calibrate", "adhesion", "material", "friction_spectrum"}
 

@@ -29,11 +29,11 @@ from ..checks import (
     scalar,
     significant,
 )
+from ..element.moving_body import Mount
 from ..errors import InputError
 from ..results.axes import Axis
 from ..results.base import Result, quantity, record
 from ..results.words import brief, in_words, span
-from ..transient.body_motion import Mount
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Number

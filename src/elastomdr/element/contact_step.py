@@ -15,11 +15,12 @@ elements (`Foundation.maxwell`: one branch, E_inf = 0) are the smallest cases.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..arrays import on_numpy, tree_map, xp
-from ..checks import Array
+from ..checks import Array, whole_number
 from ..material.relaxation import AbstractRelaxation
 from ..numerics.decay import phi1, phi2
 
@@ -89,7 +90,11 @@ class Pressed(NamedTuple):
 
 
 def rest(law: AbstractRelaxation, n: int) -> Elements:
-    """n elements that have never been touched."""
+    """n elements that have never been touched, the state y0 of a `RigidSurface`.
+
+    `law` says how many branches they have. Raises `InputError`.
+    """
+    whole_number("n", n, 1)
     zero = xp.zeros(n)
     return Elements(zero, xp.zeros((law.moduli.shape[0], n)), *[zero] * 7)
 
@@ -184,7 +189,7 @@ def advance(
     keep: Callable[..., Any] = lambda function, *args: function(*args),
 ) -> Elements:
     """`contact_step` with its coefficients, and `fade` if it is known, at hand; `keep`
-    as in `transient.march.if_so`.
+    as in `if_so`.
     """
     u, f = state.u, state.f
     fading = fade(c, f) if fading is None else fading
@@ -316,6 +321,30 @@ def _signorini(
     z, inverse, present = z[None], inverse[None], present[None]
     seen = xp.exp(-xp.minimum(y, z)) * phi1(xp.abs(z - y)) / phi1(z)
     return xp.where(present, seen, decay * (1 + y * inverse)), stiffness
+
+
+def if_so(condition: Array, function: Callable[..., Any], *args: Any) -> Any:
+    """`function(*args)`, or zeros in its place, as a branch of the compiled program.
+
+    With a condition that always holds, the compiler computes it once. Otherwise it
+    would put sums over the branches, and what each branch needs, into every place that
+    uses them.
+    """
+    if on_numpy():
+        return function(*args)
+    import jax
+
+    return jax.lax.cond(
+        condition, function, functools.partial(zeros_of, function), *args
+    )
+
+
+def zeros_of(function: Callable[..., Any], *args: Any) -> Any:
+    import jax
+
+    return jax.tree.map(
+        lambda x: xp.zeros(x.shape, x.dtype), jax.eval_shape(function, *args)
+    )
 
 
 def over_branches(parts: Float[Array, "k n"]) -> Float[Array, " n"]:

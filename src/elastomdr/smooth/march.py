@@ -26,7 +26,7 @@ import numpy as np
 
 from ..checks import Array, in_float64, numpy_unless_traced
 from ..element.contact_step import rest
-from ..element.contact_step_solver import ContactStep, RigidSurface
+from ..element.elements import ContactStep, RigidSurface
 from ..material.relaxation import Relaxation
 from ..numerics.interpolation import halving_limit
 from ..numerics.root import search

@@ -18,6 +18,8 @@ from ..checks import (
     numpy_unless_traced,
     warn_unless,
 )
+from ..element.body_over_line import AbstractOverLine, Indenter, rough
+from ..element.moving_body import Mount
 from ..errors import InputError
 from ..results.doubts import Doubt
 from ..results.words import brief
@@ -25,14 +27,8 @@ from ..surface.lines import AbstractLines, SingleLine
 from ..surface.rough_line import RoughLine, spline_coefficients
 from ..surface.shapes import AbstractShape
 from .age import sliding_beyond
-from .body_motion import MotionHistory, Mount
-from .body_over_line import (
-    AbstractOverLine,
-    Indenter,
-    contact_sizes,
-    rough,
-)
 from .history_result import Drive
+from .march import MotionHistory
 from .problem import (
     GivenHistory,
     SlidePlan,
@@ -42,7 +38,7 @@ from .problem import (
     given_history,
     sliding_body,
 )
-from .refinement import Cut, Levels, solve_levels, widened
+from .refinement import Cut, Levels, contact_sizes, solve_levels, widened
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Number

@@ -19,13 +19,14 @@ import numpy as np
 
 from ..arrays import compiled, stop_gradient, xp
 from ..checks import Array, is_traced, nan_unless, numbers_only
+from ..element.body_over_line import NOTHING, AbstractOverLine
 from ..element.episode import Modes
+from ..element.moving_body import InTurn, Steps
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1
 from ..surface.disc import Disc
-from .body_motion import MotionHistory
-from .body_over_line import NOTHING, AbstractOverLine
-from .problem import GivenHistory, InTurn, Steps, Timeline, cut, timeline
+from .march import MotionHistory
+from .problem import GivenHistory, Timeline, cut, timeline
 from .refinement import Cut, Levels, solve_levels
 
 if TYPE_CHECKING:

@@ -1,35 +1,39 @@
-"""One march in time, and the depth at which elements carry a load.
+"""One march in time, and that of a body over elements.
 
 A motion is marched wherever no closed form answers its history: sliding and driven
 bodies, tangential loading, a load that falls, oblique impact. Each has a step of its own
 over the exact contact step (`element.contact_step`); the loop, and what is kept of it,
 are those of `march`.
-
-With u_free the displacement at which an element needs no force at the end of the step
-and S its stiffness, both known before the depth is, and with g the distance of the body
-from the element at the depth 0,
-
-    F_N(d) = sum W S max(0, d - l),    l = u_free + g,
-
-convex, piecewise linear and rising: Newton's method from above (`settle`) ends after a
-few steps, exactly.
 """
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import entries, on_numpy, stop_gradient, tree_map, while_loop, xp
+from ..arrays import compiled, entries, on_numpy, tree_map, xp
 from ..checks import Array, is_traced
+from ..element.body_over_line import edges, felt_by, inner, total
+from ..element.contact_step import (
+    Coefficients,
+    coefficients_of_steps,
+    if_so,
+    zeros_of,
+)
+from ..element.moving_body import (
+    BodyMotion,
+    LineMemory,
+    MotionScene,
+    Steps,
+    advance_body,
+    put_down,
+    untouched,
+)
 from ..progress_bar import counted
-
-if TYPE_CHECKING:
-    from jaxtyping import Float
+from ..smooth.passage import Control
 
 # steps whose coefficients are computed at once, and between two states that are kept
 # for reverse mode
@@ -130,7 +134,7 @@ def _on_jax(
     """The same as one `diffrax.diffeqsolve`, a block of steps a step of its solver."""
     import jax
 
-    from ..element.contact_step_solver import in_blocks
+    from ..element.elements import in_blocks
 
     count = steps.h.shape[0]
     steps = padded(steps)
@@ -156,7 +160,7 @@ def _on_jax(
     )
 
     def left_out(state: Any, *part: Any) -> tuple[Any, Any]:
-        return state, _zeros(lambda *x: block(*x)[1], state, *part)
+        return state, zeros_of(lambda *x: block(*x)[1], state, *part)
 
     def made(state: Any, part: tuple[Any, Array]) -> tuple[Any, Any]:
         return jax.lax.cond(part[0].h[0] > 0, block, left_out, state, part)
@@ -184,184 +188,144 @@ def padded(steps: Any, piece: int = 0) -> Any:
     return long._replace(h=numpy.where(np.arange(count + missing) < count, long.h, 0.0))
 
 
-def if_so(condition: Array, function: Callable[..., Any], *args: Any) -> Any:
-    """`function(*args)`, or zeros in its place, as a branch of the compiled program.
+class MotionHistory(NamedTuple):
+    """What a motion leaves behind at each instant."""
 
-    With a condition that always holds, the compiler computes it once. Otherwise it
-    would put sums over the branches, and what each branch needs, into every place that
-    uses them.
+    depth: Array  # d [m]
+    normal: Array  # F_N [N]
+    drag: Array  # F_x [N]
+    work: Array
+    stored: Array  # in the elements [J]
+    position: Array
+    velocity: Array
+    driven: Array
+    pressed: Array
+    damped: Array
+    contact: Array  # its length, where it ends between two elements [m]
+    locked: Array  # of `stored`, in elements out of contact [J]
+    kinetic: Array  # [J]
+    spring: Array  # in the springs of the mounts [J]
+
+
+def run(
+    scene: MotionScene,
+    steps: Steps,
+    instants: np.ndarray | None = None,
+    *,
+    control: Control = "load",
+    viscous: bool = True,
+    balance: bool = True,
+    doing: str = "motion",
+) -> tuple[MotionHistory, LineMemory]:
+    """The whole motion: what is known at the ends of the steps `instants`, or of all,
+    and the line at the end. In the first step, always kept, the body is put down at
+    once, at rest, on rubber that was never touched.
+
+    `viscous=False` saves some work for a law whose viscosity is known to be zero,
+    `balance=False` for motions whose energy balance nobody asks for; `doing` says what
+    is counted (`in_pieces`).
     """
-    if on_numpy():
-        return function(*args)
-    import jax
 
-    return jax.lax.cond(condition, function, functools.partial(_zeros, function), *args)
-
-
-def _zeros(function: Callable[..., Any], *args: Any) -> Any:
-    import jax
-
-    return jax.tree.map(
-        lambda x: xp.zeros(x.shape, x.dtype), jax.eval_shape(function, *args)
-    )
-
-
-def settle(
-    touch_depth: Array,
-    slope: Array,
-    spring: Any,
-    force: Array,
-    guess: Array,
-    between: bool = False,
-) -> Array:
-    """The depth d at which spring d + sum slope max(0, d - touch_depth) = force,
-    exactly, by Newton's method from above.
-
-    `touch_depth` is the depth of the body at which it touches each element.
-
-    `slope` is W S, scalar or (n,). With `between` the sum is that of `force_on_line`.
-    Without a spring the force must not be negative; for no force d is where the first
-    element is touched.
-    """
-    return (_settle if on_numpy() else _traced_settle())(
-        touch_depth, slope, spring, force, guess, between
-    )
-
-
-def _settle(
-    touch_depth: Array,
-    slope: Array,
-    spring: Array | float,
-    force: Array,
-    guess: Array,
-    between: bool,
-) -> Array:
-    lowest = xp.min(touch_depth)
-
-    def again(state):
-        depth, stiffness, before, last, tries = state
-        changes = (depth < last) | (tries < 2) if between else stiffness != before
-        return changes & (tries < 200)
-
-    def improve(state):
-        # From above the elements in contact only become fewer: as stiff as before is
-        # the same ones.
-        depth, before, _, _, tries = state
-        improved, stiffness = (
-            _corrected(touch_depth, lowest, slope, spring, force, depth)
-            if between
-            else _newton(touch_depth, lowest, slope, spring, force, touch_depth < depth)
+    def piece(
+        state: BodyMotion, cut: Steps, is_seen: np.ndarray | None
+    ) -> tuple[BodyMotion, MotionHistory]:
+        return _piece(
+            scene,
+            state,
+            cut,
+            is_seen,
+            control=control,
+            viscous=viscous,
+            balance=balance,
         )
-        return improved, stiffness, before, depth, tries + 1
 
-    return while_loop(again, improve, (guess, -1.0, -2.0, xp.inf, 0))[0]
+    size = scene.surface.count * (scene.law.moduli.shape[0] + OF_AN_ELEMENT)
+    begin, others = (tree_map(lambda x, i=i: x[i], steps) for i in (0, slice(1, None)))
+    start, first = _begin(scene, begin, viscous=viscous, balance=balance)
+    if not balance:
+        end, seen = in_pieces(piece, start, steps, instants, size, doing)
+        return seen, end.line
+    later = None if instants is None else instants[1:] - 1
+    end, seen = in_pieces(piece, start, others, later, size, doing)
+    return tree_map(lambda a, b: xp.concatenate([a[None], b]), first, seen), end.line
 
 
-@functools.cache
-def _traced_settle() -> Any:
-    """`_settle` with its derivative, for which the elements in contact stay the same
-    ones.
+@compiled("control", "viscous", "balance")
+def _piece(
+    scene: MotionScene,
+    state: BodyMotion,
+    steps: Steps,
+    is_seen: np.ndarray | None,
+    *,
+    control: Control,
+    viscous: bool,
+    balance: bool,
+) -> tuple[BodyMotion, MotionHistory]:
+    """Some steps of the motion."""
+
+    def prepare(block: Steps) -> tuple[Steps, Coefficients]:
+        return block, coefficients_of_steps(scene.law, block.h, viscous=viscous)
+
+    def step(y: BodyMotion, now: tuple[Steps, Coefficients]) -> tuple[BodyMotion, Any]:
+        end, c = now
+        # sums over both are made once
+        c = c if viscous else c._replace(seen=c.decay)
+        return advance_body(scene, c, y, end, control, viscous, balance)
+
+    def look(y: BodyMotion, felt: tuple[Array, Array | None]) -> MotionHistory:
+        return _history(scene, y, *felt)
+
+    return march(step, look, state, steps, is_seen, prepare)
+
+
+@compiled("viscous", "balance")
+def _begin(
+    scene: MotionScene, begin: Steps, *, viscous: bool, balance: bool
+) -> tuple[BodyMotion, MotionHistory | None]:
+    """The body before its first step, or with `balance` after it, and what is seen
+    then.
     """
-    import jax
-
-    settle = functools.partial(jax.custom_jvp, nondiff_argnums=(5,))(_settle)
-
-    @settle.defjvp
-    def derivative(between: bool, given: tuple, tangents: tuple) -> tuple[Array, Array]:
-        depth = settle(*given, between)
-
-        def moved(
-            touch_depth: Array, slope: Array, spring: Array | float, force: Array
-        ) -> Array:
-            if between:
-                return _corrected(
-                    touch_depth, xp.min(touch_depth), slope, spring, force, depth
-                )[0]
-            return _newton(
-                touch_depth, xp.min(touch_depth), slope, spring, force, given[0] < depth
-            )[0]
-
-        return depth, jax.jvp(moved, given[:4], tangents[:4])[1]
-
-    return settle
+    y = untouched(scene, begin.position, viscous)
+    if not balance:
+        return y, None
+    y, felt = put_down(scene, y, begin, viscous)
+    return y, _history(scene, y, *felt)
 
 
-def _corrected(
-    touch_depth: Array,
-    lowest: Array,
-    slope: Array,
-    spring: Array | float,
-    force: Array,
-    depth: Array,
-) -> tuple[Array, Array]:
-    """The depth after one step of Newton's from `depth`, and the stiffness there."""
-    now, stiffness = force_on_line(slope, depth - touch_depth)
-    stiffness = stop_gradient(spring + stiffness)
-    empty = stiffness <= 0
-    step = (force - spring * depth - now) / xp.where(empty, 1.0, stiffness)
-    alone = slope if slope.ndim == 0 else xp.max(slope)
-    return xp.where(empty, lowest + force / alone, depth + step), stiffness
-
-
-def _newton(
-    touch_depth: Array,
-    lowest: Array,
-    slope: Array,
-    spring: Array | float,
-    force: Array,
-    active: Array,
-) -> tuple[Array, Array]:
-    """The depth at which those that are `active` carry the force, and their
-    stiffness.
-    """
-    stiffness = spring + total(slope, xp.where(active, 1.0, 0.0))
-    # Without a spring one element at least carries the load. (The place of the least
-    # level takes long to find.)
-    alone = (
-        slope
-        if slope.ndim == 0
-        else xp.max(xp.where(touch_depth == lowest, slope, 0.0))
+def _history(
+    scene: MotionScene, y: BodyMotion, slope: Array, excess: Array | None
+) -> MotionHistory:
+    """What is known at an instant."""
+    weight, line = scene.surface.weight, y.line
+    normal, drag = felt_by(weight, line.q, slope, excess)
+    kinetic = spring = contact = xp.zeros(())
+    held = 0.5 * scene.law.equilibrium * line.u**2 + line.stored
+    locked = total(weight, xp.where(line.q > 0, 0.0, held))
+    if excess is not None:
+        _, beyond = edges(excess)
+        inside = xp.sum(excess > 0) + xp.sum(beyond) - scene.surface.first
+        contact = scene.surface.spacing * inside
+        part = 0.5 * beyond * (held[:-1] + held[1:])
+        locked = locked - total(inner(weight), part)
+    if scene.tangential is not None:
+        kinetic = scene.tangential.mass * y.velocity**2 / 2
+        spring = scene.tangential.stiffness * (y.drive - y.position) ** 2 / 2
+    if scene.normal is not None:
+        kinetic = kinetic + scene.normal.mass * y.sinking**2 / 2
+        spring = spring + scene.normal.stiffness * y.depth**2 / 2
+    return MotionHistory(
+        depth=y.depth,
+        normal=normal,
+        drag=drag,
+        work=y.work,
+        stored=total(weight, held),
+        position=y.position,
+        velocity=y.velocity,
+        driven=y.driven,
+        pressed=y.pressed,
+        damped=y.damped,
+        contact=contact,
+        locked=locked,
+        kinetic=kinetic,
+        spring=spring,
     )
-    empty = stiffness <= 0
-    load = force + xp.where(
-        empty, alone * lowest, total(slope, xp.where(active, touch_depth, 0.0))
-    )
-    return load / xp.where(empty, alone, stiffness), stiffness
-
-
-def force_on_line(slope: Array, excess: Float[Array, " n"]) -> tuple[Array, Array]:
-    """The force where a contact ends between two elements, and how much it grows as all
-    of `excess` grows by one.
-
-    It is the integral of the positive part of the line drawn through the elements,
-    which are neighbours at equal distances. sum slope max(0, excess) errs by the square
-    of their distance as well, but with a factor that depends on where the contact ends,
-    so that the limit of ever more elements could not be extrapolated from a few.
-    """
-    edge, rate = edges(excess)
-    inside = excess > 0
-    between = inner(slope)
-    force = total(slope, xp.where(inside, excess, 0.0)) + total(between, edge)
-    return force, total(slope, xp.where(inside, 1.0, 0.0)) + total(between, rate)
-
-
-def inner(weight: Array) -> Array:
-    """The weight of what lies between two elements: of the one nearer to the axis."""
-    return weight if weight.ndim == 0 else weight[:-1]
-
-
-def edges(
-    excess: Float[Array, " n"],
-) -> tuple[Float[Array, " n-1"], Float[Array, " n-1"]]:
-    """What the positive part of a line from a to b, a b < 0, has less than the mean of
-    max(0, a) and max(0, b).
-    """
-    a, b = excess[:-1], excess[1:]
-    between = a * b < 0
-    span = xp.where(between, 2 * xp.abs(a - b), 1.0)
-    return xp.where(between, a * b / span, 0.0), xp.where(between, (a + b) / span, 0.0)
-
-
-def total(weight: Array, values: Float[Array, " n"]) -> Array:
-    """The sum over all elements."""
-    return weight * xp.sum(values) if weight.ndim == 0 else xp.sum(weight * values)

@@ -32,6 +32,7 @@ from ..checks import (
     whole_number,
 )
 from ..element.law import Foundation, as_foundation, half_space
+from ..element.moving_body import Steps
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation, scaled
@@ -46,8 +47,6 @@ from ..surface.rough_line import RoughLine
 from ..surface.shapes import AbstractShape, Cylinder
 
 if TYPE_CHECKING:
-    from jaxtyping import Bool, Float
-
     from .._types import ArrayLike
 
 _TRACED = 1024  # elements and steps of the coarser level under a transformation
@@ -413,24 +412,6 @@ def both_laws(material: object, tangential: Any) -> tuple[Foundation, Foundation
             argument="tangential", got=tangential, accepted="an em.Foundation of G*"
         )
     return normal, tangential
-
-
-class InTurn(NamedTuple):
-    """Where depth and load may rule in turn: the value of a step is what either goes
-    towards.
-    """
-
-    part: Float[Array, " steps"]  # of what is left of the way, that a step goes
-    by_depth: Bool[Array, " steps"]  # which of them rules
-
-
-class Steps(NamedTuple):
-    """Contact steps: how long each is, and where the history stands at its end."""
-
-    h: Float[Array, " steps"]  # [s]
-    position: Float[Array, " steps"]  # X [m]
-    value: Float[Array, " steps"]  # load [N] or depth [m]
-    in_turn: InTurn | None = None
 
 
 class Timeline(NamedTuple):

@@ -17,14 +17,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import arrays, on_jax, on_numpy, tree_map, xp
+from ..arrays import (
+    arrays,
+    compiled,
+    on_jax,
+    on_numpy,
+    stop_gradient,
+    tree_map,
+    xp,
+)
 from ..checks import Array, is_traced, known, significant
+from ..element.body_over_line import AbstractOverLine
+from ..element.moving_body import MotionScene, Mount, Steps
 from ..errors import InputError
+from ..material.relaxation import Relaxation
 from ..numerics.interpolation import halving_limit
-from .body_motion import MotionHistory, MotionScene, Mount, run
-from .body_over_line import AbstractOverLine
-from .march import OF_AN_ELEMENT
-from .problem import GivenHistory, SlidePlan, Steps
+from ..smooth.passage import Control, estimate_sizes
+from ..surface.lines import AbstractLines
+from .march import OF_AN_ELEMENT, MotionHistory, run
+from .problem import GivenHistory, SlidePlan
 
 # error over mu beyond which a number is not handed out under a transformation either
 _SHOWN = 0.1
@@ -346,3 +357,37 @@ def beside(error: Array, reach: int = 2) -> Array:
         near = error[..., np.clip(index + shift, 0, instants - 1)]
         largest = xp.fmax(largest, near)
     return largest
+
+
+@compiled("control")
+def contact_sizes(
+    law: Relaxation,
+    lines: AbstractLines,
+    control: Control,
+    value: Array,
+    duration: float,
+) -> tuple[Any, Any]:
+    """The smallest and the largest contact radius to expect [m], each within a factor
+    of 2.
+
+    The largest is that of the relaxed rubber under the largest load, or for a liquid of
+    what creeps in the time given.
+    """
+    law, lines, value = stop_gradient((law, lines, value))
+    glass = law.equilibrium + xp.sum(law.moduli) + law.viscosity / duration
+    # A lower bound of E(t): each branch, and the dashpot, as a spring that has relaxed
+    # for the whole time.
+    soft = (
+        law.equilibrium
+        + xp.sum(law.moduli / (1 + duration / law.times))
+        + law.viscosity / duration
+    )
+    top = xp.max(value)
+    positive_values = xp.where(value > 0, value, top)
+    ends = xp.stack([xp.min(positive_values), top])
+    ends = xp.where(ends > 0, ends, 1e-9)
+    sizes = []
+    for modulus, end in zip((glass, soft), ends, strict=True):
+        spring = Relaxation(modulus, xp.zeros(1), xp.ones(1), xp.zeros(()))
+        sizes.append(estimate_sizes(spring, lines, control, end[None], xp.ones(1))[0])
+    return sizes[0], xp.maximum(*sizes)

@@ -33,6 +33,7 @@ import numpy as np
 
 from ..arrays import tree_map
 from ..checks import Array
+from ..element.body_over_line import settle
 from ..element.contact_step import (
     Coefficients,
     Pressed,
@@ -43,7 +44,7 @@ from ..element.contact_step import (
 from ..material.relaxation import Relaxation
 from ..numerics.quadrature import gauss_on_panels
 from ..surface.shapes import AbstractShape, Cylinder
-from .march import OF_AN_ELEMENT, in_pieces, march, settle
+from .march import OF_AN_ELEMENT, in_pieces, march
 
 if TYPE_CHECKING:
     from jaxtyping import Float

@@ -17,13 +17,13 @@ from ..checks import (
     numpy_unless_traced,
     warn_unless,
 )
+from ..element.body_over_line import indenter, rough
 from ..errors import InputError
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.rough_line import RoughLine
 from .age import sliding_beyond
-from .body_motion import MotionHistory
-from .body_over_line import contact_sizes, indenter, rough
 from .history_result import Slide
+from .march import MotionHistory
 from .problem import (
     GivenHistory,
     SlidePlan,
@@ -33,7 +33,7 @@ from .problem import (
     sliding_body,
     timeline,
 )
-from .refinement import Cut, Levels, solve_levels, widened
+from .refinement import Cut, Levels, contact_sizes, solve_levels, widened
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Number

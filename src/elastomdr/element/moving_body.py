@@ -8,14 +8,14 @@ presses it:
     m_n d'' = P - k_n d - c_n d' - F_N,                 or F_N = P without a normal one,
 
 or its depth is given. F_x and F_N are the forces of the elements
-(`transient.body_over_line`). Bodies take the trapezoidal rule, elements the exact
+(`element.body_over_line`). Bodies take the trapezoidal rule, elements the exact
 contact step, both of second order, and they are solved together. The force of an
 element is linear in its displacement at the end, and so is its mean over the step,
 which is what accelerates a body: with d+ = d + h (d' + d'+)/2 the normal equation is
 
     A d+ + sum W S max(0, d+ - l) = known,        A = 2 m/h^2 + k/2 + c/h,
 
-piecewise linear, solved exactly (`transient.march.settle`); the tangential one takes a
+piecewise linear, solved exactly (`element.body_over_line.settle`); the tangential one takes a
 fixed number of Newton steps. The work of the mean forces is that of the elements but
 for those whose contact begins or ends within the step.
 """
@@ -24,47 +24,51 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-import numpy as np
-
-from ..arrays import compiled, on_numpy, tree_map, xp
+from ..arrays import on_numpy, xp
 from ..checks import Array, not_negative, positive, scalar
-from ..element.contact_step import (
+from ..material.relaxation import Relaxation
+from ..trees import Tree, fill
+from .body_over_line import AbstractOverLine, felt_by, settle, total
+from .contact_step import (
     Coefficients,
     Elements,
     Fading,
     advance,
     coefficients,
-    coefficients_of_steps,
     fade,
+    if_so,
     lag,
     released,
 )
-from ..material.relaxation import Relaxation
-from ..smooth.passage import Control
-from ..trees import Tree, fill
-from .body_over_line import AbstractOverLine
-from .march import (
-    OF_AN_ELEMENT,
-    edges,
-    if_so,
-    in_pieces,
-    inner,
-    march,
-    settle,
-    total,
-)
-from .problem import InTurn, Steps
 
 if TYPE_CHECKING:
-    from jaxtyping import Float
+    from jaxtyping import Bool, Float
 
     from .._types import Number, Plain
 
 _NEWTON = 4  # steps for the place of a body that is pulled through a spring, under JAX
 # steps at most on NumPy, to a balance of forces relative to the largest of them
 _SECANTS, _CLOSE = 40, 1e-12
+
+
+class InTurn(NamedTuple):
+    """Where depth and load may rule in turn: the value of a step is what either goes
+    towards.
+    """
+
+    part: Float[Array, " steps"]  # of what is left of the way, that a step goes
+    by_depth: Bool[Array, " steps"]  # which of them rules
+
+
+class Steps(NamedTuple):
+    """Contact steps: how long each is, and where the history stands at its end."""
+
+    h: Float[Array, " steps"]  # [s]
+    position: Float[Array, " steps"]  # X [m]
+    value: Float[Array, " steps"]  # load [N] or depth [m]
+    in_turn: InTurn | None = None
 
 
 class Mount(Tree):
@@ -144,111 +148,7 @@ class BodyMotion(NamedTuple):
     damped: Array  # lost in the dampers [J]
 
 
-class MotionHistory(NamedTuple):
-    """What a motion leaves behind at each instant."""
-
-    depth: Array  # d [m]
-    normal: Array  # F_N [N]
-    drag: Array  # F_x [N]
-    work: Array
-    stored: Array  # in the elements [J]
-    position: Array
-    velocity: Array
-    driven: Array
-    pressed: Array
-    damped: Array
-    contact: Array  # its length, where it ends between two elements [m]
-    locked: Array  # of `stored`, in elements out of contact [J]
-    kinetic: Array  # [J]
-    spring: Array  # in the springs of the mounts [J]
-
-
-def run(
-    scene: MotionScene,
-    steps: Steps,
-    instants: np.ndarray | None = None,
-    *,
-    control: Control = "load",
-    viscous: bool = True,
-    balance: bool = True,
-    doing: str = "motion",
-) -> tuple[MotionHistory, LineMemory]:
-    """The whole motion: what is known at the ends of the steps `instants`, or of all,
-    and the line at the end. In the first step, always kept, the body is put down at
-    once, at rest, on rubber that was never touched.
-
-    `viscous=False` saves some work for a law whose viscosity is known to be zero,
-    `balance=False` for motions whose energy balance nobody asks for; `doing` says what
-    is counted (`in_pieces`).
-    """
-
-    def piece(
-        state: BodyMotion, cut: Steps, is_seen: np.ndarray | None
-    ) -> tuple[BodyMotion, MotionHistory]:
-        return _piece(
-            scene,
-            state,
-            cut,
-            is_seen,
-            control=control,
-            viscous=viscous,
-            balance=balance,
-        )
-
-    size = scene.surface.count * (scene.law.moduli.shape[0] + OF_AN_ELEMENT)
-    begin, others = (tree_map(lambda x, i=i: x[i], steps) for i in (0, slice(1, None)))
-    start, first = _begin(scene, begin, viscous=viscous, balance=balance)
-    if not balance:
-        end, seen = in_pieces(piece, start, steps, instants, size, doing)
-        return seen, end.line
-    later = None if instants is None else instants[1:] - 1
-    end, seen = in_pieces(piece, start, others, later, size, doing)
-    return tree_map(lambda a, b: xp.concatenate([a[None], b]), first, seen), end.line
-
-
-@compiled("control", "viscous", "balance")
-def _piece(
-    scene: MotionScene,
-    state: BodyMotion,
-    steps: Steps,
-    is_seen: np.ndarray | None,
-    *,
-    control: Control,
-    viscous: bool,
-    balance: bool,
-) -> tuple[BodyMotion, MotionHistory]:
-    """Some steps of the motion."""
-
-    def prepare(block: Steps) -> tuple[Steps, Coefficients]:
-        return block, coefficients_of_steps(scene.law, block.h, viscous=viscous)
-
-    def step(y: BodyMotion, now: tuple[Steps, Coefficients]) -> tuple[BodyMotion, Any]:
-        end, c = now
-        # sums over both are made once
-        c = c if viscous else c._replace(seen=c.decay)
-        return _advance(scene, c, y, end, control, viscous, balance)
-
-    def look(y: BodyMotion, felt: tuple[Array, Array | None]) -> MotionHistory:
-        return _history(scene, y, *felt)
-
-    return march(step, look, state, steps, is_seen, prepare)
-
-
-@compiled("viscous", "balance")
-def _begin(
-    scene: MotionScene, begin: Steps, *, viscous: bool, balance: bool
-) -> tuple[BodyMotion, MotionHistory | None]:
-    """The body before its first step, or with `balance` after it, and what is seen
-    then.
-    """
-    y = _untouched(scene, begin.position, viscous)
-    if not balance:
-        return y, None
-    y, felt = _put_down(scene, y, begin, viscous)
-    return y, _history(scene, y, *felt)
-
-
-def _untouched(scene: MotionScene, place: Array, viscous: bool) -> BodyMotion:
+def untouched(scene: MotionScene, place: Array, viscous: bool) -> BodyMotion:
     """A body just above rubber at rest, where the first step ends."""
     position, zero = place + 0.0, xp.zeros(())
     rise = scene.surface.rise(position)
@@ -262,7 +162,7 @@ def _untouched(scene: MotionScene, place: Array, viscous: bool) -> BodyMotion:
     return motion._replace(position=position, ahead=above)
 
 
-def _put_down(
+def put_down(
     scene: MotionScene, y: BodyMotion, begin: Steps, viscous: bool
 ) -> tuple[BodyMotion, tuple[Array, Array | None]]:
     """The body at rest, put down at once with its load."""
@@ -297,12 +197,12 @@ def _put_down(
     return motion, (slope, excess)
 
 
-def _advance(
+def advance_body(
     scene: MotionScene,
     c: Coefficients,
     y: BodyMotion,
     end: Steps,
-    control: Control,
+    control: Literal["load", "depth"],
     viscous: bool,
     balance: bool,
 ) -> tuple[BodyMotion, tuple[Array, Array | None]]:
@@ -482,65 +382,6 @@ def _moved(
         pressed=y.pressed + (y.value + after.value) / 2 * sunk,
         damped=y.damped + damped,
     )
-
-
-def _history(
-    scene: MotionScene, y: BodyMotion, slope: Array, excess: Array | None
-) -> MotionHistory:
-    """What is known at an instant."""
-    weight, line = scene.surface.weight, y.line
-    normal, drag = felt_by(weight, line.q, slope, excess)
-    kinetic = spring = contact = xp.zeros(())
-    held = 0.5 * scene.law.equilibrium * line.u**2 + line.stored
-    locked = total(weight, xp.where(line.q > 0, 0.0, held))
-    if excess is not None:
-        _, beyond = edges(excess)
-        inside = xp.sum(excess > 0) + xp.sum(beyond) - scene.surface.first
-        contact = scene.surface.spacing * inside
-        part = 0.5 * beyond * (held[:-1] + held[1:])
-        locked = locked - total(inner(weight), part)
-    if scene.tangential is not None:
-        kinetic = scene.tangential.mass * y.velocity**2 / 2
-        spring = scene.tangential.stiffness * (y.drive - y.position) ** 2 / 2
-    if scene.normal is not None:
-        kinetic = kinetic + scene.normal.mass * y.sinking**2 / 2
-        spring = spring + scene.normal.stiffness * y.depth**2 / 2
-    return MotionHistory(
-        depth=y.depth,
-        normal=normal,
-        drag=drag,
-        work=y.work,
-        stored=total(weight, held),
-        position=y.position,
-        velocity=y.velocity,
-        driven=y.driven,
-        pressed=y.pressed,
-        damped=y.damped,
-        contact=contact,
-        locked=locked,
-        kinetic=kinetic,
-        spring=spring,
-    )
-
-
-def felt_by(
-    weight: Array, q: Array, slope: Array, excess: Array | None
-) -> tuple[Array, Array]:
-    """F_N and F_x of the forces q of the elements, db/dX at each of them being `slope`.
-
-    `excess` is what q is in proportion to where it is positive, if the contact ends
-    between two elements (`force_on_line`).
-    """
-    normal, drag = total(weight, q), total(weight, q * slope)
-    if excess is None:
-        return normal, drag
-    edge, _ = edges(excess)
-    a, b = xp.abs(excess[:-1]), xp.abs(excess[1:])
-    slope_at_edge = (a * slope[1:] + b * slope[:-1]) / xp.where(a + b > 0, a + b, 1.0)
-    top = xp.max(excess)  # q is S times what is positive of it
-    stiffness = inner(weight) * xp.max(q) / xp.where(top > 0, top, 1.0)
-    at_edge = total(stiffness, edge), total(stiffness, edge * slope_at_edge)
-    return normal + at_edge[0], drag + at_edge[1]
 
 
 def _press(
