@@ -76,7 +76,7 @@ BAD_SCENES = {
     ),
     "a model of surfaces": (
         ('"line"', '"multiscale"'),
-        "for a surface under a pressure",
+        'for a paraboloid, got "multiscale"',
     ),
     "unknown unit": (('"5 mm"', '"5 milimetre"'), "milimetre"),
     "no unit": (('"5 mm"', '"5"'), "5 mm"),
@@ -138,7 +138,10 @@ BAD_SCENES = {
         (SCENE, 'material = "rubber.toml"\nindenter = "sphere"\ncontact = 3'),
         '[indenter] must be a table with the key shape, got "sphere"',
     ),
-    "unknown material": (('"rubber.toml"', '"rubber"'), "not in the library"),
+    "unknown material": (
+        ('"rubber.toml"', '"rubber"'),
+        "material must be in the library",
+    ),
     "material file not there": (
         ('"rubber.toml"', '"ruber.toml"'),
         "Did you mean 'rubber.toml'",
@@ -216,13 +219,16 @@ BAD_MATERIALS = {
     "NaN moduli": (("moduli = [2e6", "moduli = [nan"), "moduli"),
     "infinite moduli": (("moduli = [2e6", "moduli = [inf"), "moduli"),
     "negative moduli": (("moduli = [2e6", "moduli = [-2e6"), "moduli"),
-    "lists of different length": (("[1e-3, 1e-2]", "[1e-3]"), "same length"),
+    "lists of different length": (("[1e-3, 1e-2]", "[1e-3]"), "times must be as long"),
     "Poisson's ratio too large": (("poisson = 0.5", "poisson = 0.6"), "poisson"),
     "Poisson's ratio too small": (("poisson = 0.5", "poisson = -1"), "poisson"),
-    "poisson and bulk": (("poisson = 0.5", "poisson = 0.5\nbulk = 2e9"), "exclude"),
+    "poisson and bulk": (
+        ("poisson = 0.5", "poisson = 0.5\nbulk = 2e9"),
+        "bulk must be left out",
+    ),
     "unknown kind": (('"shear"', '"sheer"'), "kind"),
     "unknown key": (("equilibrium", "equilibrum"), "Did you mean 'equilibrium'"),
-    "not TOML": (("[shift]", "[shift"), "not valid TOML"),
+    "not TOML": (("[shift]", "[shift"), "valid TOML"),
 }
 
 INDENT = """

@@ -23,7 +23,7 @@ ROOMS = {
     "seal": 41,
     "results": 37,
     "io": 36,
-    "surface": 30,
+    "surface": 31,
     "app": 29,
     "cli": 26,
     "material": 20,

@@ -163,12 +163,12 @@ def test_directories_of_third_parties(mine, monkeypatch, tmp_path):
     assert check_material("mine") == []
     (other / "mine.toml").write_text(mine, encoding="utf-8")
     assert em.materials().count("mine") == 1
-    with pytest.raises(InputError, match="more than once") as error:
+    with pytest.raises(InputError, match="name_or_path") as error:
         em.load_material("mine")
     assert str(path.resolve()) in str(error.value)
     assert str((other / "mine.toml").resolve()) in str(error.value)
     monkeypatch.setenv("ELASTOMDR_MATERIALS", str(tmp_path / "none"))
-    with pytest.raises(InputError, match="ELASTOMDR_MATERIALS must list directories"):
+    with pytest.raises(InputError, match="ELASTOMDR_MATERIALS must be"):
         em.materials()
 
 

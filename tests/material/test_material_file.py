@@ -66,10 +66,10 @@ def test_unknown_names_and_paths(file):
     one_line(error, "'vhb4910'", "Did you mean 'vhb-4910'?")
     with pytest.raises(InputError) as error:
         em.load_material(path.with_name("mien.toml"))
-    one_line(error, "mien.toml: there is no such file. Did you mean 'mine.toml'?")
+    one_line(error, "mien.toml", "Did you mean 'mine.toml'?")
     with pytest.raises(InputError) as error:
         em.load_material(path.parent)
-    one_line(error, str(path.parent), "cannot be read")
+    one_line(error, str(path.parent), "Is a directory")
     with pytest.raises(InputError) as error:
         em.load_material(3)  # pyright: ignore[reportArgumentType]
     one_line(error, "got 3")
@@ -78,18 +78,18 @@ def test_unknown_names_and_paths(file):
 @pytest.mark.parametrize(
     ("old", "new", "parts"),
     [
-        ("moduli = [1e6, 2e6]", "moduli = [1e6,, 2e6]", ["not valid TOML", "line 8"]),
-        ("poisson = 0.5", "poisson = 0.5\npoisson = 0.4", ["not valid TOML", "line 7"]),
-        ("moduli", "modulli", ["unknown key 'modulli'", "Did you mean 'moduli'?"]),
-        ("c2 =", "c3 =", ["unknown key 'c3' in [shift]", "Did you mean"]),
+        ("moduli = [1e6, 2e6]", "moduli = [1e6,, 2e6]", ["valid TOML", "line 8"]),
+        ("poisson = 0.5", "poisson = 0.5\npoisson = 0.4", ["valid TOML", "line 7"]),
+        ("moduli", "modulli", ["modulli must be", "Did you mean 'moduli'?"]),
+        ("c2 =", "c3 =", ["[shift] c3 must be", "Did you mean"]),
         (
             "[source.moduli]",
             "[source.modulus]",
-            ["unknown key 'modulus' in [source]", "Did you mean 'moduli'?"],
+            ["[source] modulus must be", "Did you mean 'moduli'?"],
         ),
-        ("times = [1e-3, 1.0]", "", ["key 'times' is missing"]),
-        ("poisson = 0.5", "", ["key 'poisson' (or 'bulk') is missing"]),
-        ("c2 = 100.0", "", ["key 'c2' in [shift] is missing"]),
+        ("times = [1e-3, 1.0]", "", ["times must be given"]),
+        ("poisson = 0.5", "", ["poisson must be given, or bulk"]),
+        ("c2 = 100.0", "", ["[shift] c2 must be given"]),
         (
             "equilibrium = 1e6",
             'equilibrium = "1 MPa"',
@@ -113,23 +113,23 @@ def test_unknown_names_and_paths(file):
         (
             "[1e6, 2e6]",
             "1e6",
-            ["moduli must be a list of finite numbers, got 1000000.0"],
+            ["moduli must be a list of finite numbers, got 1e+06"],
         ),
         (
             'law = "WLF"',
             'law = "WFL"',
-            ["law in [shift] must be one of WLF", "Did you mean 'WLF'?"],
+            ["[shift] law must be one of WLF", "Did you mean 'WLF'?"],
         ),
-        ('law = "WLF"', "law = [1]", ["law in [shift] must be one of WLF", "got [1]"]),
+        ('law = "WLF"', "law = [1]", ["[shift] law must be one of WLF", "got [1]"]),
         (
             "omega = [1.0, 1e3]",
             "omega = [1e3, 1.0]",
-            ["omega in [range]", "the lower first"],
+            ["[range] omega", "the lower first"],
         ),
         (
             '"published fit"',
             '"published"',
-            ["grade in [source.shift]", "Did you mean 'published fit'?"],
+            ["[source.shift] grade", "Did you mean 'published fit'?"],
         ),
         (
             'kind = "shear"',
@@ -141,14 +141,18 @@ def test_unknown_names_and_paths(file):
             "[1e6, -2e6]",
             ["moduli must be zero or positive and finite, got -2e+06"],
         ),
-        ("[1e-3, 1.0]", "[1.0]", ["as long as"]),
+        ("[1e-3, 1.0]", "[1.0]", ["times must be as long as moduli", "got 1"]),
         ("poisson = 0.5", "poisson = 0.6", ["poisson must be", "0.6"]),
-        ("poisson = 0.5", "poisson = 0.5\nbulk = 2e9", ["exclude each other"]),
+        (
+            "poisson = 0.5",
+            "poisson = 0.5\nbulk = 2e9",
+            ["bulk must be left out", "2e+09"],
+        ),
         ("c1 = 5.0", "c1 = -5.0", ["c1 must be positive"]),
         (
             "e_temperature = 293.15",
             "e_temperature = 300.0",
-            ["reference_temperature", "300 K and 293.15 K"],
+            ["reference_temperature", "293.15 K", "got 300"],
         ),
     ],
 )
@@ -166,7 +170,7 @@ def test_a_file_that_is_not_text(tmp_path):
     path.write_bytes(b'name = "a"\nkind = "\xff"\n')
     with pytest.raises(InputError) as error:
         em.load_material(path)
-    one_line(error, f"{path}, line 2: a material file must be UTF-8 text")
+    one_line(error, str(path), "UTF-8", "line 2")
 
 
 @pytest.mark.parametrize(

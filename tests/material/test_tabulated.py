@@ -193,7 +193,7 @@ def test_a_temperature_shifts_it(table):
     np.testing.assert_allclose(warm.loss(3.0 / factor), table.loss(3.0), rtol=1e-10)
     np.testing.assert_allclose(warm.range.omega, np.array(table.range.omega) / factor)
     assert warm.shift is None
-    with pytest.raises(InputError, match="no shift law"):
+    with refused("temperature", 300.0, "shift="):
         warm.at(300.0)
 
 
@@ -256,7 +256,7 @@ def test_derivatives_against_finite_differences():
         ({"loss": [1e5, 0.0, 1e5]}, ("loss", 0)),
         (
             {"loss": [1e5, 1e5]},
-            ("loss", 3, "as long as"),
+            ("", 3),
         ),
         ({"omega": [1.0], "storage": [1.0], "loss": [1.0]}, ("", 3, "entries")),
         ({"kind": "bulk"}, ("kind", "'shear'", "'tensile'", "'bulk'")),
@@ -440,10 +440,10 @@ def test_a_file(table, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (("loss = [1e5, 2e5, 3e5]", ""), "key 'loss' is missing"),
+        (("loss = [1e5, 2e5, 3e5]", ""), "loss must be given"),
         (
             ("loss = [1e5, 2e5, 3e5]", "loss = [1e5, 2e5]"),
-            "as long as",
+            "loss must be as long as omega, 3",
         ),
         (
             ("poisson = 0.5", "bulk = 2e9"),
@@ -455,16 +455,16 @@ def test_a_file(table, tmp_path, capsys):
         ),
         (
             ("poisson = 0.5", "poisson = 0.5\ntimes = [1.0]"),
-            "key 'equilibrium' is missing",
+            "equilibrium must be given",
         ),
         (
             ("storage = [1e6", "storage = [-1e6"),
             "finite, got -1e",
         ),
-        (("[misfit]", "[misfit]\nnoise = [1.0]"), "key 'noise' in [misfit]"),
+        (("[misfit]", "[misfit]\nnoise = [1.0]"), "[misfit] noise"),
         (
             ("loss_residual = [0.1]", "loss_residual = []"),
-            "length, got 1, 1 and 0",
+            "[misfit] loss_residual",
         ),
         (
             ("loss_residual = [0.1]", "loss_residual = [-0.1]"),
@@ -653,16 +653,16 @@ def test_from_measured_data_to_friction(file, kelvin, low, high):
 def test_what_a_table_does_not_know_is_advised_and_the_advice_works(kind):
     found = sampled(RUBBER, 10, -2, 6, kind=kind)
     for name in ("relaxation", "creep_compliance", "instantaneous"):
-        with pytest.raises(InputError, match=rf"{name} is not known") as caught:
+        with refused("material", name) as caught:
             getattr(found, name)(1.0)
-        advice = str(caught.value).partition("fit a series, ")[2].removesuffix(".")
+        advice = caught.value.hint.partition("fit one, ")[2]
         names = {
             "em": em,
             "omega": found.omega,
             "storage": found.storage_table,
             "loss": found.loss_table,
         }
-        answer = eval(advice, names)
+        answer = getattr(eval(advice, names), name)
         if name == "relaxation":
             assert float(answer(1e-2)) == pytest.approx(
                 float(RUBBER.relaxation(1e-2)), rel=0.02

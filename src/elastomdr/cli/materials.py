@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..material.format import is_tabulated, read_document
 from ..material.library import locate, material_info, materials
 from . import DONE
+from .schema import path_from
 
 _SHIFT_UNITS = {
     "c1": "",
@@ -52,8 +53,9 @@ def _library() -> Iterator[str]:
 
 
 def _one(name: str) -> Iterator[str]:
-    path = locate(name)
-    info, document = material_info(path), read_document(path)
+    with path_from("NAME"):
+        path = locate(name)
+        info, document = material_info(path), read_document(path)
     yield info["name"]
     yield from textwrap.wrap(info.get("description", ""), 100)
     yield ""

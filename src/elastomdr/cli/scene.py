@@ -25,8 +25,8 @@ from .schema import (
     given,
     keys_of,
     named,
-    of_key,
     only_one,
+    path_from,
 )
 from .units import EquivalentLength, Length, Temperature, Velocity
 
@@ -301,11 +301,12 @@ def load(folder: Path, key: str, name: str) -> Any:
     is_file = name.endswith(".toml") or "/" in name or "\\" in name
     # by a list: asking for a name may fail, as where it is too long
     beside = {path.stem for path in folder.glob("*.toml")}
-    with of_key(f"{key}:"):
+    with path_from(key):
         if not is_file and name not in em.materials() and name in beside:
             raise InputError(
-                f"{name!r} is not in the library, but a file beside the scene: write "
-                f'"{name}.toml".'
+                argument="name_or_path",
+                got=name,
+                accepted=f'in the library, or "{name}.toml" beside the scene',
             )
         return em.load_material(str(folder / name) if is_file else name)
 

@@ -390,11 +390,11 @@ def of_key(key: str) -> Iterator[None]:
 
 @contextlib.contextmanager
 def path_from(key: str) -> Iterator[None]:
-    """Calls the argument "path" of an `InputError` by the key that holds a path."""
+    """Calls the path that an `InputError` is about by the key that holds it."""
     try:
         yield
     except InputError as error:
-        if error.argument == "path":
+        if error.argument in ("path", "name_or_path"):
             error.called(key)
         else:
             error.stands_for(f"{key}:")

@@ -112,20 +112,32 @@ def read_document(path: Path) -> Document:
         document = read_toml(path)
     except OSError as error:
         raise InputError(
-            f"{path}: cannot be read ({error.strerror or error})."
+            argument="name_or_path",
+            got=str(path),
+            accepted="a file that can be read",
+            hint=error.strerror or str(error),
         ) from error
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise InputError(
-            f"{path}, line {line}: a material file must be UTF-8 text: save it as "
-            "UTF-8."
+            argument="name_or_path",
+            got=str(path),
+            accepted="a file of UTF-8 text",
+            hint=f"line {line} is none; save it as UTF-8",
         ) from error
     # tomllib's own error is a ValueError and says line and column
     except ValueError as error:
         raise InputError(
-            f"{path}: not valid TOML: {' '.join(str(error).split())}."
+            argument="name_or_path",
+            got=str(path),
+            accepted="valid TOML",
+            hint=" ".join(str(error).split()),
         ) from error
-    validate(path, document)
+    try:
+        validate(document)
+    except InputError as error:
+        error.inside(str(path), "name_or_path")
+        raise
     return document
 
 
@@ -138,7 +150,11 @@ def write_document(document: Mapping[str, Any], path: Path) -> None:
     """
     import tomli_w
 
-    validate(path, document)
+    try:
+        validate(document)
+    except InputError as error:
+        error.inside("", "info")
+        raise
     # Texts hold no line breaks once written, so that every line starts with a key, a
     # bracket or a list's entry.
     lines, table = [], ""
@@ -160,101 +176,87 @@ def is_tabulated(document: Mapping[str, Any]) -> bool:
     )
 
 
-def validate(path: Path, document: Mapping[str, Any]) -> None:
+def validate(document: Mapping[str, Any]) -> None:
     """Raises `InputError` for unknown or missing keys and wrong types; the numbers'
     meaning is not looked at.
     """
     lists = _TABULATED if is_tabulated(document) else _SERIES
-    _validate_table(path, "", document, _KEYS, ("kind", *lists))
+    _validate_table("", document, _KEYS, ("kind", *lists))
     foreign = _NOT_TABULATED if lists is _TABULATED else _TABULATED
     for key in foreign:
         if key in document:
             raise InputError(
-                f"{path}: {key} must be left out beside {lists[-1]}: a material is a "
-                "series (equilibrium, moduli, "
-                "times) or a table (omega, storage, loss)."
+                argument=key,
+                got=document[key],
+                accepted=f"left out beside {lists[-1]}",
+                hint="a material is a series (equilibrium, moduli, times) or a table "
+                "(omega, storage, loss)",
             )
     if "poisson" not in document and "bulk" not in document:
-        raise InputError(f"{path}: key 'poisson' (or 'bulk') is missing.")
-    _same_length(path, "", document, lists[1:] if lists is _SERIES else lists)
+        raise InputError(argument="poisson", accepted="given, or bulk")
+    _same_length("", document, lists[1:] if lists is _SERIES else lists)
     for where, laws in (("shift", SHIFT_KEYS), ("vertical", VERTICAL_KEYS)):
         if where not in document:
             continue
         law = document[where].get("law")
-        if not isinstance(law, str) or law not in laws:
-            hint = closest(law, laws) if isinstance(law, str) else ""
-            raise InputError(
-                f"{path}: law in [{where}] must be one of {', '.join(laws)}, got "
-                f"{law!r}.{hint}"
-            )
-        _validate_table(
-            path, where, document[where], {"law": _TEXT, **laws[law]}, laws[law]
-        )
-    if "softening" in document:
-        _validate_table(
-            path, "softening", document["softening"], _SOFTENING_KEYS, _SOFTENING_KEYS
-        )
-        _same_length(
-            path, " in [softening]", document["softening"], tuple(_SOFTENING_KEYS)
-        )
-    _validate_table(path, "range", document.get("range", {}), _RANGE_KEYS)
-    if "misfit" in document:
-        _validate_table(path, "misfit", document["misfit"], _MISFIT_KEYS, _MISFIT_KEYS)
-        _same_length(path, " in [misfit]", document["misfit"], tuple(_MISFIT_KEYS))
-    _validate_table(path, "source", document.get("source", {}), _SOURCE_GROUPS)
+        _one_of("law", where, law, laws)
+        _validate_table(where, document[where], {"law": _TEXT, **laws[law]}, laws[law])
+    for where, keys in (("softening", _SOFTENING_KEYS), ("misfit", _MISFIT_KEYS)):
+        if where in document:
+            _validate_table(where, document[where], keys, keys)
+            _same_length(where, document[where], tuple(keys))
+    _validate_table("range", document.get("range", {}), _RANGE_KEYS)
+    _validate_table("source", document.get("source", {}), _SOURCE_GROUPS)
     for group, source in document.get("source", {}).items():
-        _validate_table(path, f"source.{group}", source, _SOURCE_KEYS)
-        grade = source.get("grade", GRADES[0])
-        if grade not in GRADES:
-            raise InputError(
-                f"{path}: grade in [source.{group}] must be one of "
-                f"{', '.join(GRADES)}, got {grade!r}.{closest(grade, GRADES)}"
-            )
+        _validate_table(f"source.{group}", source, _SOURCE_KEYS)
+        _one_of("grade", f"source.{group}", source.get("grade", GRADES[0]), GRADES)
 
 
-def brief(value: object) -> str:
-    """What was received, short enough for one line of an error message."""
-    words = " ".join(repr(value).split())
-    return words if len(words) <= 60 else f"{words[:57]}..."
+def _named(key: str, where: str) -> str:
+    return f"[{where}] {key}" if where else key
 
 
-def _same_length(
-    path: Path, place: str, table: Mapping[str, Any], keys: tuple[str, ...]
-) -> None:
-    counts = [len(table[key]) for key in keys]
-    if len(set(counts)) > 1:
+def _one_of(key: str, where: str, value: object, accepted: Iterable[str]) -> None:
+    if not isinstance(value, str) or value not in accepted:
         raise InputError(
-            f"{path}: {_listed(keys)}{place} must have the same length, got "
-            f"{_listed(counts)} entries."
+            argument=_named(key, where),
+            got=value,
+            accepted=f"one of {', '.join(accepted)}",
+            hint=closest(str(value), accepted).strip(),
         )
 
 
-def _listed(parts: Iterable[Any]) -> str:
-    *first, last = map(str, parts)
-    return f"{', '.join(first)} and {last}"
+def _same_length(where: str, table: Mapping[str, Any], keys: tuple[str, ...]) -> None:
+    first = len(table[keys[0]])
+    for key in keys[1:]:
+        if len(table[key]) != first:
+            raise InputError(
+                argument=_named(key, where),
+                got=len(table[key]),
+                accepted=f"as long as {keys[0]}, {first} entries",
+            )
 
 
 def _validate_table(
-    path: Path,
     where: str,
     table: Mapping[str, Any],
     keys: Mapping[str, str],
     required: Iterable[str] = (),
 ) -> None:
-    place = f" in [{where}]" if where else ""
     for key, value in table.items():
         if key not in keys:
             raise InputError(
-                f"{path}: unknown key {key!r}{place}.{closest(key, keys)} Keys are "
-                f"{', '.join(keys)}."
+                argument=_named(key, where),
+                accepted=f"one of the keys {', '.join(keys)}",
+                hint=closest(key, keys).strip(),
             )
         if not _is_of_type(value, keys[key]):
-            raise InputError(
-                f"{path}: {key}{place} must be {keys[key]}, got {brief(value)}."
-            )
+            raise InputError(argument=_named(key, where), got=value, accepted=keys[key])
     for key in required:
         if key not in table:
-            raise InputError(f"{path}: key {key!r}{place} is missing.")
+            raise InputError(
+                argument=_named(key, where), accepted=f"given, {keys[key]}"
+            )
 
 
 def _is_of_type(value: object, accepted: str) -> bool:

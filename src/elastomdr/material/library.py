@@ -4,13 +4,13 @@ every group of numbers.
 Listing the names reads no file and loads neither NumPy nor JAX.
 """
 
+import contextlib
 import functools
 import importlib.metadata
 import importlib.util
 import math
 import os
-import reprlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,6 @@ from .format import (
     SHIFT_KEYS,
     VERTICAL_KEYS,
     Document,
-    brief,
     is_tabulated,
     read_document,
     write_document,
@@ -66,7 +65,6 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedMod
     path = locate(name_or_path)
     document = read_document(path)
     from .prony import Prony
-    from .softening import Softening
     from .tabulated import TabulatedModulus
 
     kind, keys = Prony, ("equilibrium", "moduli", "times")
@@ -77,30 +75,31 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedMod
         for key in ("poisson", "bulk", "viscosity")
         if key in document
     }
-    softening = document.get("softening")
     try:
         material = kind(
             *(document[key] for key in keys),
             kind=document["kind"],
-            shift=_law(document.get("shift"), SHIFT_LAWS),
-            vertical=_law(document.get("vertical"), VERTICAL_LAWS),
-            softening=None if softening is None else Softening(**softening),
+            shift=_law(document, "shift", SHIFT_LAWS),
+            vertical=_law(document, "vertical", VERTICAL_LAWS),
+            softening=_softening(document),
             name=document.get("name", path.stem),
             citation=_citation(document.get("source", {})),
             range=_range(document),
             **constants,
         )
+        given = document.get("reference_temperature")
+        if material.shift is not None and given is not None:
+            reference = float(material.shift.reference)
+            if not abs(reference - given) < 1e-4:
+                raise InputError(
+                    argument="reference_temperature",
+                    got=given,
+                    accepted=f"that of the shift law, {reference:.9g} K, where its "
+                    "factor is 1",
+                )
     except InputError as error:
         error.inside(str(path), "name_or_path")
         raise
-    given = document.get("reference_temperature")
-    if material.shift is not None and given is not None:
-        reference = float(material.shift.reference)
-        if not abs(reference - given) < 1e-4:
-            raise InputError(
-                f"{path}: reference_temperature must be that of the shift law, where "
-                f"its factor is 1: got {given:.9g} K and {reference:.9g} K."
-            )
     return material
 
 
@@ -155,7 +154,7 @@ def save_material(
 
     if not isinstance(material, (Prony, TabulatedModulus)):
         raise InputError(
-            f"material must be a Prony or a TabulatedModulus, got {brief(material)}."
+            argument="material", got=material, accepted="a Prony or a TabulatedModulus"
         )
     untraced(
         InputError(
@@ -165,7 +164,7 @@ def save_material(
         material,
     )
     if info is not None and not isinstance(info, Mapping):
-        raise InputError(f"info must be a dict, got {reprlib.repr(info)}.")
+        raise InputError(argument="info", got=info, accepted="a dict")
     info = info or {}
     known = material.range
     cited: dict[str, dict[str, str]] = {}
@@ -214,8 +213,9 @@ def locate(name_or_path: str | os.PathLike[str]) -> Path:
     """
     if not isinstance(name_or_path, (str, os.PathLike)):
         raise InputError(
-            "material must be a name in the library or a path, got "
-            f"{brief(name_or_path)}."
+            argument="name_or_path",
+            got=name_or_path,
+            accepted="a name in the library or a path",
         )
     name = os.fspath(as_path(name_or_path, "name_or_path"))
     path = Path(name)
@@ -230,22 +230,27 @@ def locate(name_or_path: str | os.PathLike[str]) -> Path:
             near = closest(path.name, (x.name for x in beside if _is_material(x)))
             near = near or closest(path.stem, _files())
             raise InputError(
-                f"{path}: there is no such file.{near} Looked for in "
-                f"{path.absolute().parent}."
+                argument="name_or_path",
+                got=name,
+                accepted="a file that there is",
+                hint=f"{near} Looked for in {path.absolute().parent}.".strip(),
             )
         return path
     files = _files()
     if name not in files:
         raise InputError(
-            f"material {name!r} is not in the library.{closest(name, files)} "
-            "Accepted are the names of em.materials() (`elastomdr materials`) and "
-            "paths that end in .toml. "
-            f"Looked for in {', '.join(map(str, _folders()))}."
+            argument="name_or_path",
+            got=name,
+            accepted="in the library (em.materials(), `elastomdr materials`), or a "
+            "path that ends in .toml",
+            hint=f"{closest(name, files)} Looked for in {', '.join(map(str, _folders()))}.".strip(),
         )
     if len(files[name]) > 1:
         raise InputError(
-            f"material {name!r} is there more than once: "
-            f"{', '.join(map(str, files[name]))}. Give the path instead."
+            argument="name_or_path",
+            got=name,
+            accepted="in the library once",
+            hint=f"give the path, one of {', '.join(map(str, files[name]))}",
         )
     return files[name][0]
 
@@ -279,8 +284,9 @@ def _folders() -> list[Path]:
     for entry in filter(None, os.environ.get(SEARCH_VARIABLE, "").split(os.pathsep)):
         if not Path(entry).is_dir():
             raise InputError(
-                f"{SEARCH_VARIABLE} must list directories, got {entry!r}, which is "
-                "none."
+                argument=SEARCH_VARIABLE,
+                got=entry,
+                accepted="a list of directories that there are",
             )
         folders.append(Path(entry))
     folders += _of_packages()
@@ -300,8 +306,9 @@ def _of_packages() -> tuple[Path, ...]:
             spec = None
         if spec is None or not spec.submodule_search_locations:
             raise InputError(
-                f"Entry point {point.name!r} of {ENTRY_POINTS} must be a package "
-                f"with TOML files, got {point.value!r}."
+                argument=f"entry point {point.name!r} of {ENTRY_POINTS}",
+                got=point.value,
+                accepted="a package with TOML files",
             )
         folders += map(Path, spec.submodule_search_locations)
     return tuple(folders)
@@ -352,14 +359,34 @@ def _misfit_table(known: "Range | None") -> dict[str, list[float]] | None:
     return dict(zip(_MISFIT, map(list, zip(*known.misfit, strict=True)), strict=True))
 
 
-def _law(table: Mapping[str, Any] | None, classes: Mapping[str, str]) -> Any:
+def _law(document: Document, where: str, classes: Mapping[str, str]) -> Any:
     """A shift law from its table in a file."""
     from . import shift
 
-    if table is None:
+    if where not in document:
         return None
-    numbers = {key: value for key, value in table.items() if key != "law"}
-    return getattr(shift, classes[table["law"]])(**numbers)
+    numbers = dict(document[where])
+    with _in_table(where):
+        return getattr(shift, classes[numbers.pop("law")])(**numbers)
+
+
+def _softening(document: Document) -> "Softening | None":
+    from .softening import Softening
+
+    if "softening" not in document:
+        return None
+    with _in_table("softening"):
+        return Softening(**document["softening"])
+
+
+@contextlib.contextmanager
+def _in_table(where: str) -> Iterator[None]:
+    """Puts a table before the argument of an `InputError`."""
+    try:
+        yield
+    except InputError as error:
+        error.inside(f"[{where}]")
+        raise
 
 
 def _range(document: Document) -> "Range | None":
@@ -384,7 +411,8 @@ def _range(document: Document) -> "Range | None":
     misfit = tuple(zip(*(rows[key] for key in _MISFIT), strict=True)) if rows else ()
     if any(not omega > 0 or storage < 0 or loss < 0 for omega, storage, loss in misfit):
         raise InputError(
-            "omega in [misfit] must be positive, and both residuals zero or positive."
+            argument="[misfit] omega",
+            accepted="positive, and both residuals zero or positive",
         )
     return (known or Range(None, None))._replace(misfit=misfit) if misfit else known
 
@@ -410,8 +438,9 @@ def _law_table(
     label = next((key for key in classes if classes[key] == type(law).__name__), None)
     if label is None:
         raise InputError(
-            f"material.{name} must be one of {', '.join(classes.values())} to be saved, "
-            f"got {brief(law)}."
+            argument=f"material.{name}",
+            got=law,
+            accepted=f"one of {', '.join(classes.values())} to be saved",
         )
     fields = {key: key for key in keys[label]} | _FIELDS
     return {

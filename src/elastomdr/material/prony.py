@@ -120,8 +120,10 @@ class Prony(AbstractRelaxation):
         check_laws(shift, vertical)
         if poisson is not None and bulk is not None:
             raise InputError(
-                "poisson and bulk exclude each other (one of them is constant), "
-                f"got poisson={poisson} and bulk={bulk}."
+                argument="bulk",
+                got=bulk,
+                accepted="left out where poisson is given",
+                hint="one of them is constant",
             )
         if bulk is not None:
             bulk = scalar("bulk", bulk)
@@ -147,14 +149,17 @@ class Prony(AbstractRelaxation):
         """
         if certain(lambda eta: eta > 0, law.viscosity):
             raise InputError(
-                "viscosity must be 0 for tensile moduli with a constant bulk modulus: "
-                "Young's modulus cannot exceed 9 bulk, got "
-                f"{float(law.viscosity):g}."
+                argument="viscosity",
+                got=float(law.viscosity),
+                accepted="0 for tensile moduli with a constant bulk modulus",
+                hint="Young's modulus cannot exceed 9 bulk",
             )
         if certain(lambda law, bulk: law.instantaneous >= 9 * bulk, law, bulk):
             raise InputError(
-                "bulk must be more than a ninth of the glassy tensile modulus "
-                f"({float(law.instantaneous):g} Pa), got {float(bulk):g}."
+                argument="bulk",
+                got=float(bulk),
+                accepted="more than a ninth of the glassy tensile modulus, "
+                f"{float(law.instantaneous):g} Pa",
             )
 
     def law(self) -> Relaxation:

@@ -174,14 +174,10 @@ def checked(
     """A `Relaxation` from a user's numbers, or an `InputError` that names what is wrong
     with them.
     """
-    equilibrium = as_float64("equilibrium", equilibrium)
-    viscosity = as_float64("viscosity", viscosity)
+    equilibrium = scalar("equilibrium", equilibrium)
+    viscosity = scalar("viscosity", viscosity)
     moduli, times = as_float64("moduli", moduli), as_float64("times", times)
     for name, value in (("equilibrium", equilibrium), ("viscosity", viscosity)):
-        if value.shape != ():
-            raise InputError(
-                f"{name} must be a single number, got an array of shape {value.shape}."
-            )
         not_negative(name, value)
     alike(0, {"moduli": moduli, "times": times})
     not_negative("moduli", moduli)
@@ -190,8 +186,10 @@ def checked(
     total = (equilibrium, viscosity, moduli)
     if certain(lambda e, eta, m: e + eta + m.sum() <= 0, *total):
         raise InputError(
-            "equilibrium, moduli and viscosity are all zero: such a material "
-            "carries no load."
+            argument="equilibrium",
+            got=0.0,
+            accepted="above 0 where moduli and viscosity are zero",
+            hint="such a material carries no load",
         )
     return Relaxation(equilibrium, moduli, times, viscosity)
 

@@ -31,7 +31,6 @@ from ..checks import (
 )
 from ..errors import InputError
 from ..numerics.interpolation import hermite, monotone_slopes
-from ..results.words import brief
 from ..trees import Tree, fill, same
 
 if TYPE_CHECKING:
@@ -168,8 +167,10 @@ class VFT(AbstractShift):
         not_negative("t0", self.t0)
         if not possible(lambda t0, reference: t0 < reference, self.t0, self.reference):
             raise InputError(
-                "t0 must be below the reference temperature, "
-                f"{float(self.reference):g} K, got {float(self.t0):g}."
+                argument="t0",
+                got=float(self.t0),
+                accepted=f"below the reference temperature, {float(self.reference):g} "
+                "K",
             )
 
     def _log10_a(self, temperature: Array) -> Array:
@@ -231,8 +232,12 @@ class ShiftTable(AbstractShift):
         require("log10_a", log10_a, "finite", np.isfinite)
         ascending("temperature", temperature)
         if not possible(lambda x: (np.diff(x) <= 0).all(), log10_a):
+            i = int(np.argmax(np.diff(log10_a) > 0))
             raise InputError(
-                f"log10_a must fall as the temperature rises, got {log10_a.tolist()}."
+                argument="log10_a",
+                got=float(log10_a[i + 1]),
+                accepted=f"{log10_a[i]:g} or less at {temperature[i + 1]:g} K, since "
+                "it may not rise with the temperature",
             )
         from scipy.interpolate import CubicHermiteSpline
 
@@ -382,12 +387,13 @@ def check_laws(shift: object, vertical: object) -> None:
     """
     if shift is not None and not isinstance(shift, AbstractShift):
         raise InputError(
-            f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}."
+            argument="shift", got=shift, accepted="a WLF, Arrhenius, VFT or ShiftTable"
         )
     if vertical is not None and not isinstance(vertical, AbstractVertical):
         raise InputError(
-            "vertical must be an EntropicVertical or a VerticalTable, got "
-            f"{vertical!r}."
+            argument="vertical",
+            got=vertical,
+            accepted="an EntropicVertical or a VerticalTable",
         )
 
 
@@ -401,9 +407,10 @@ def thermal_factors(body: Shifted, temperature: ArrayLike | None) -> tuple[Any, 
         return 1.0, 1.0
     if body.shift is None and body.vertical is None:
         raise InputError(
-            f"temperature was given ({brief(temperature, 'K')}), but "
-            f"{body.name or 'the material'} has no shift law; give "
-            "the material one with shift=em.WLF(...), or leave the temperature out."
+            argument="temperature",
+            got=temperature,
+            accepted="left out for a material that has no shift law",
+            hint=f"give {body.name or 'it'} one with shift=em.WLF(...)",
         )
     a = 1.0 if body.shift is None else body.shift.a(temperature)
     return a, 1.0 if body.vertical is None else body.vertical.b(temperature)

@@ -78,23 +78,28 @@ class Softening(Tree):
     def __init__(self, strain: ArrayLike, storage: ArrayLike, loss: ArrayLike):
         lists = {"strain": strain, "storage": storage, "loss": loss}
         strain, storage, loss = arrays = [
-            as_float64(f"softening: {key}", value) for key, value in lists.items()
+            as_float64(key, value) for key, value in lists.items()
         ]
-        alike(2, {"softening: strain": strain, "storage": storage, "loss": loss})
+        alike(2, {"strain": strain, "storage": storage, "loss": loss})
         for key, values in zip(lists, arrays, strict=True):
-            positive(f"softening: {key}", values)
-        ascending("softening: strain", strain)
+            positive(key, values)
+        ascending("strain", strain)
         if certain(lambda x: x[-1] > _LARGEST, strain):
             raise InputError(
-                f"softening: strain must be an amplitude without unit, {_LARGEST:g} "
-                f"at most (0.1 for 10 %), got {strain[-1]:g}; divide per cent by 100."
+                argument="strain",
+                got=float(strain[-1]),
+                accepted=f"an amplitude without unit, {_LARGEST:g} at most (0.1 for "
+                "10 %)",
+                hint="divide per cent by 100",
             )
         if not is_traced(storage):
             storage = _falling(np.asarray(storage))
         if certain(lambda g: g.max() > _MOST, loss):
             raise InputError(
-                "softening: loss must be factors on the loss modulus of small "
-                f"strain, {_MOST:g} at most, got {loss.max():g}."
+                argument="loss",
+                got=float(loss.max()),
+                accepted=f"factors on the loss modulus of small strain, {_MOST:g} at "
+                "most",
             )
         fill(self, strain=strain, storage=storage, loss=loss)
 
@@ -161,14 +166,16 @@ def _falling(storage: np.ndarray) -> np.ndarray:
     if (off > _NOISE).any():
         if storage.max() > 1 + _NOISE:
             raise InputError(
-                "softening: storage must be factors on the modulus of small strain, 1 "
-                f"at most, got {storage.max():g}."
+                argument="storage",
+                got=float(storage.max()),
+                accepted="factors on the modulus of small strain, 1 at most",
             )
         i = int(np.argmax(np.diff(storage) / storage[:-1]))
         raise InputError(
-            "softening: storage must fall or stay level from entry to entry, but for "
-            f"noise of {_NOISE:.0%}, got {storage[i]:g} followed by "
-            f"{storage[i + 1]:g} (entries {i} and {i + 1})."
+            argument="storage",
+            got=float(storage[i + 1]),
+            accepted=f"{storage[i]:g} or less at entry {i + 1}, since it falls or "
+            f"stays level but for noise of {_NOISE:.0%}",
         )
     if off.max() > _ROUNDING:
         warn(
@@ -185,8 +192,9 @@ def as_softening(softening: object) -> Softening | None:
     """An `em.Softening` as it is, or None; raises `InputError` for anything else."""
     if softening is not None and not isinstance(softening, Softening):
         raise InputError(
-            "softening must be an em.Softening(strain, storage, loss), got "
-            f"{softening!r}."
+            argument="softening",
+            got=softening,
+            accepted="an em.Softening(strain, storage, loss)",
         )
     return softening
 

@@ -108,18 +108,18 @@ class AbstractTable(Tree):
         """Not known from a table. Raises `InputError`, which says how a series is
         fitted to it.
         """
-        raise InputError(_no_history("relaxation", self))
+        raise _no_series("material", self, "relaxation")
 
     def creep_compliance(self, t: ArrayLike) -> Array:
         """Not known from a table. Raises `InputError`, which says how a series is
         fitted to it.
         """
-        raise InputError(_no_history("creep_compliance", self))
+        raise _no_series("material", self, "creep_compliance")
 
     @property
     def instantaneous(self) -> Array:
         """Not known from a table, which ends at some frequency. Raises `InputError`."""
-        raise InputError(_no_history("instantaneous", self))
+        raise _no_series("material", self, "instantaneous")
 
     @numpy_unless_traced
     def _moduli(self, omega: ArrayLike) -> tuple[Array, Array]:
@@ -350,11 +350,13 @@ def described(table: AbstractTable) -> str:
     )
 
 
-def _no_history(name: str, table: AbstractTable) -> str:
+def _no_series(name: str, table: AbstractTable, purpose: str) -> InputError:
     kind = f', kind="{table.kind}"' if isinstance(table, TabulatedModulus) else ""
-    return (
-        f"{name} is not known from a table of moduli, got {table!r}: fit a series, "
-        f"em.fit.prony(omega, storage, loss{kind}).material.{name}."
+    return InputError(
+        argument=name,
+        got=table,
+        accepted=f"a Prony series for {purpose}",
+        hint=f"fit one, em.fit.prony(omega, storage, loss{kind}).material",
     )
 
 
@@ -363,10 +365,7 @@ def needs_series(name: str, material: object, purpose: str) -> None:
     series.
     """
     if isinstance(material, AbstractTable):
-        raise InputError(
-            f"{name} must be a Prony series for {purpose}, got {material!r}: "
-            "fit one with em.fit.prony(omega, storage, loss)."
-        )
+        raise _no_series(name, material, purpose)
 
 
 def _cubic(x: Array, y: Array, slopes: tuple[float, float], wanted: Array) -> Array:

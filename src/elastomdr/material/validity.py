@@ -188,8 +188,9 @@ def as_range(value: object, illustrative: bool = False) -> Range | None:
         return value
     if not isinstance(value, Mapping) or not set(value) <= set(_KEYS):
         raise InputError(
-            f"range must be a dict with some of the keys {', '.join(_KEYS)}, got "
-            f"{value!r:.80}."
+            argument="range",
+            got=value,
+            accepted=f"a dict with some of the keys {', '.join(_KEYS)}",
         )
     pairs: dict[str, tuple[float, float]] = {}
     nowhere = isinstance(value.get("omega"), (list, tuple)) and not value["omega"]
@@ -202,8 +203,9 @@ def as_range(value: object, illustrative: bool = False) -> Range | None:
             low = high = float("nan")
         if not 0 < low < high < float("inf"):
             raise InputError(
-                f"range must have two positive numbers for {key}, the lower first, "
-                f"got {pair!r:.80}."
+                argument="range",
+                got=pair,
+                accepted=f"two positive numbers for {key}, the lower first",
             )
         pairs[key] = (low, high)
     if "time" in pairs:
@@ -353,10 +355,12 @@ def drawn_from_misfit(material: S, n: int, seed: int) -> Draws[S]:
     rows = () if material.range is None else material.range.misfit
     if not rows or is_traced(material):
         raise InputError(
-            "material must have a record of how far it is from its data ([misfit] in "
-            f"its file), got {material!r}: "
-            "nothing says how uncertain it is. em.fit.material(...).draws(n) draws "
-            "from the data."
+            argument="material",
+            got=material,
+            accepted="one with a record of how far it is from its data ([misfit] in "
+            "its file)",
+            hint="nothing says how uncertain it is; em.fit.material(...).draws(n) "
+            "draws from the data",
         )
     omega, *sizes = np.array(rows).T
     apart = np.subtract.outer(np.log10(omega), np.log10(omega)) / _DECADES

@@ -94,12 +94,14 @@ class Profile(AbstractShape):
             slope = self._slopes()
         if not (slope >= -_FALL * np.abs(slope).max()).all() or slope.max() <= 0:
             raise InputError(
-                "z must describe a body whose contact grows as a disc (its MDR "
-                "profile must rise with x), but "
-                f"dg/dx = {slope.min():.3g} near x = "
-                f"{8 * r[-1] * (slope.argmin() + 1) / (64 * r.size + 8):.3g} m. "
-                "Smooth the points, or leave out the part beyond which the "
-                "contact would jump."
+                argument="z",
+                got=float(slope.min()),
+                accepted="of a body whose contact grows as a disc, with an MDR "
+                "profile that rises (0 < dg/dx)",
+                hint="it falls like this near x = "
+                f"{8 * r[-1] * (slope.argmin() + 1) / (64 * r.size + 8):.3g} m; "
+                "smooth the points, or leave out the part beyond which the contact "
+                "would jump",
             )
         fill(self, convex=bool((np.diff(slope) > -1e-6 * slope.max()).all()))
 
@@ -187,11 +189,16 @@ def _check_points(r: Array, z: Array) -> None:
     require("z", z, "finite, and below 1e50 m", lambda x: np.abs(x) < 1e50)
     if r[0] != 0:
         raise InputError(
-            f"r must start at 0, the lowest point of the indenter, got r[0]={r[0]:g}."
+            argument="r",
+            got=float(r[0]),
+            accepted="0 for its first point, the lowest of the indenter",
         )
     if not possible(lambda z: (np.diff(z) >= 0).all(), z):
+        i = int(np.argmax(np.diff(z) < 0))
         raise InputError(
-            f"z must not fall with r, got a fall at r={r[1:][np.diff(z) < 0][0]:g}."
+            argument="z",
+            got=float(z[i + 1]),
+            accepted=f"{z[i]:g} m or more at r={r[i + 1]:g}, since it may not fall",
         )
 
 

@@ -68,10 +68,11 @@ class RoughLine(Tree):
             if not resample:
                 worst = float(np.abs(np.diff(x) / spacing - 1).max())
                 raise InputError(
-                    "x must be evenly spaced, got steps that differ by up to "
-                    f"{100 * worst:.2g} % from their mean; "
-                    "resample=True takes the heights at even places, by linear "
-                    "interpolation."
+                    argument="x",
+                    got=worst,
+                    accepted="evenly spaced, each step within 1e-6 of their mean",
+                    hint="resample=True takes the heights at even places, by linear "
+                    "interpolation",
                 )
             height = numpy_unless_traced(lambda y: xp.interp(even, x, y))(height)
         fill(self, height=height, spacing=np.asarray(spacing))

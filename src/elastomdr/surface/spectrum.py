@@ -220,8 +220,10 @@ class AbstractSpectrum(Tree):
         not_negative("cutoff", sizes[1])
         if not sizes.any():
             raise InputError(
-                "level or cutoff must be above 0: nothing says how uncertain the "
-                "surface is."
+                argument="level",
+                got=0.0,
+                accepted="above 0, or cutoff",
+                hint="nothing says how uncertain the surface is",
             )
         factors = np.exp(sizes * np.random.default_rng(seed).standard_normal((n, 2)))
         lowest = 1.001 * self.q_low
@@ -294,11 +296,13 @@ class SelfAffine(AbstractSpectrum):
         exponent: Any = as_number(scalar("hurst", hurst))
         require("hurst", exponent, "from 0 to 1", lambda x: (x >= 0) & (x <= 1))
         only_one({"rms_slope": rms_slope, "rms_height": rms_height})
-        if q_low is None or q_high is None:
-            raise InputError(
-                "q_low and q_high must be given [rad/m]: friction depends on both "
-                "cutoffs."
-            )
+        for name, given in (("q_low", q_low), ("q_high", q_high)):
+            if given is None:
+                raise InputError(
+                    argument=name,
+                    accepted="given [rad/m]",
+                    hint="friction depends on both cutoffs",
+                )
         low, high = scalar("q_low", q_low), scalar("q_high", q_high)
         knee = low if q_rolloff is None else scalar("q_rolloff", q_rolloff)
         positive("q_low", low)
@@ -310,10 +314,17 @@ class SelfAffine(AbstractSpectrum):
         )
         value = scalar(name, wanted)
         positive(name, value)
-        if not possible(lambda a, b, c: a <= b < c, low, knee, high):
+        if not possible(np.less_equal, low, knee):
             raise InputError(
-                f"q_low, q_rolloff and q_high must ascend, got {low:g}, {knee:g} "
-                f"and {high:g} rad/m."
+                argument="q_rolloff",
+                got=float(knee),
+                accepted=f"q_low, {low:g} rad/m, or more",
+            )
+        if not possible(np.less, knee, high):
+            raise InputError(
+                argument="q_high",
+                got=float(high),
+                accepted=f"above {knee:g} rad/m, where the spectrum begins to fall",
             )
         whole = q_rolloff is None or certain(np.equal, knee, low)
         q, c = _power_law(exponent, [low, high] if whole else [low, knee, high], knee)
@@ -322,8 +333,10 @@ class SelfAffine(AbstractSpectrum):
         if not possible(lambda c: ((c > 0) & np.isfinite(c)).all(), self.c):
             given = f"{name}={value:g} between {low:g} and {high:g} rad/m"
             raise InputError(
-                f"{name} must be of a surface whose power spectrum double "
-                f"precision holds, got {given}."
+                argument=name,
+                got=float(value),
+                accepted="of a surface whose power spectrum double precision holds",
+                hint=f"it is between {low:g} and {high:g} rad/m",
             )
 
     def __repr__(self) -> str:
@@ -377,9 +390,11 @@ class Spectrum(AbstractSpectrum):
             )
         if c.ndim == 2:
             raise InputError(
-                "c must be the spectrum of an isotropic surface, a list as long as "
-                f"q, got a map of shape {c.shape}: "
-                "average it over directions, or give the heights to em.read_surface."
+                argument="c",
+                got=c.shape,
+                accepted="a list as long as q, the spectrum of an isotropic surface",
+                hint="average a map over directions, or give the heights to "
+                "em.read_surface",
             )
         alike(2, {"q": q, "c": c})
         positive("q", q)
@@ -404,12 +419,15 @@ class Spectrum(AbstractSpectrum):
 def check_convention(convention: object) -> None:
     """Raises `InputError`, with all that there are, where it is none."""
     if not isinstance(convention, str) or convention not in CONVENTIONS:
-        hint = closest(str(convention), CONVENTIONS)
+        hint = closest(str(convention), CONVENTIONS).strip()
         listed = "; ".join(
             f"{name!r}: {meaning}" for name, meaning in CONVENTIONS.items()
         )
         raise InputError(
-            f"convention must be one of {listed}; got {convention!r}.{hint}"
+            argument="convention",
+            got=convention,
+            accepted=f"one of {listed}",
+            hint=hint,
         )
 
 
@@ -425,17 +443,20 @@ def _from_cut(q: np.ndarray, cut: np.ndarray) -> np.ndarray:
     """
     if not 3 <= q.size <= _MOST_OF_CUT:
         raise InputError(
-            f"q must have three points at least, and {_MOST_OF_CUT} at most, where c is "
-            f"the spectrum of a cut, got {q.size}: ten a decade, averaged over bands of "
-            "q, are enough."
+            argument="q",
+            got=q.size,
+            accepted=f"3 to {_MOST_OF_CUT} points where c is the spectrum of a cut",
+            hint="ten a decade, averaged over bands of q, are enough",
         )
     log_q, log_cut = np.log(q), np.log(cut)
     fall = (log_cut[-2] - log_cut[-1]) / (log_q[-1] - log_q[-2])
     if not fall > 0:
         raise InputError(
-            "c must fall with q up to its last points where it is the spectrum of a "
-            f"cut, it rises from {cut[-2]:.4g} to {cut[-1]:.4g} m^3 at q = {q[-1]:g} "
-            "rad/m, where noise may begin: leave those points out."
+            argument="c",
+            got=float(cut[-1]),
+            accepted=f"less than {cut[-2]:.4g} m^3 at its last point, since the "
+            "spectrum of a cut falls with q",
+            hint=f"noise may begin at q = {q[-1]:g} rad/m; leave those points out",
         )
     beyond = np.arange(1.0, _TAIL + 1)  # steps by which the cut falls by a factor e
     log_q = np.append(log_q, log_q[-1] + beyond / fall)
@@ -460,10 +481,12 @@ def _from_cut(q: np.ndarray, cut: np.ndarray) -> np.ndarray:
         c[i] = weight[first:] @ held / q[i]
         if not c[i] > 0:
             raise InputError(
-                "c must fall with q where it is the spectrum of a cut through an "
-                f"isotropic surface, which it does not about q = {q[i]:g} rad/m: "
-                "average it over wider bands of q, or leave the part below the roll-off "
-                "out."
+                argument="c",
+                got=float(cut[i]),
+                accepted="falling with q, as the spectrum of a cut through an "
+                "isotropic surface",
+                hint=f"it does not fall about q = {q[i]:g} rad/m; average it over "
+                "wider bands of q, or leave out the part below the roll-off",
             )
     return c
 
@@ -472,13 +495,17 @@ def as_spectrum(name: str, value: object) -> AbstractSpectrum:
     """`value` if it is a spectrum. Raises `InputError`."""
     if isinstance(value, (tuple, list)):
         raise InputError(
-            f"{name} must be one spectrum, got {len(value)}: of two rough partners give "
-            'the sum, em.Spectrum(q, first.at(q) + second.at(q), convention="2d").'
+            argument=name,
+            got=value,
+            accepted="one spectrum",
+            hint="of two rough partners give the sum, em.Spectrum(q, first.at(q) + "
+            'second.at(q), convention="2d")',
         )
     if not isinstance(value, AbstractSpectrum):
         raise InputError(
-            f"{name} must be an em.SelfAffine, an em.Spectrum or a measured "
-            f"surface, got {value!r}."
+            argument=name,
+            got=value,
+            accepted="an em.SelfAffine, an em.Spectrum or a measured surface",
         )
     return value
 
@@ -496,10 +523,11 @@ def line_count(spectrum: AbstractSpectrum, periods: int, per_wave: float) -> int
     needed = periods * per_wave * spectrum.q_high / spectrum.q_low
     if not needed <= MOST:
         raise InputError(
-            f"the surface, from q = {spectrum.q_low:.3g} to {spectrum.q_high:.3g} "
-            f"rad/m, needs {needed:.3g} samples on a line of {periods} of its longest "
-            f"waves, and at most {MOST} are drawn: give a shorter longest wave or "
-            "a longer shortest one."
+            argument="q_high",
+            got=float(spectrum.q_high),
+            accepted=f"{MOST * spectrum.q_low / (periods * per_wave):.3g} rad/m at "
+            f"most, for {MOST} samples on a line of {periods} of the longest waves",
+            hint="give a shorter longest wave, a longer shortest one, or fewer periods",
         )
     return max(64, 2 ** math.ceil(math.log2(needed) - 1e-9))
 
@@ -557,8 +585,10 @@ def rough_map(
     least = 4 * periods * spectrum.q_high / spectrum.q_low
     if points % 4 or points < least * (1 - 1e-9):
         raise InputError(
-            f"points must be a multiple of 4, at least {math.ceil(least)} for "
-            f"four on the shortest wave, got {points}."
+            argument="points",
+            got=points,
+            accepted=f"a multiple of 4, {math.ceil(least)} or more, for four on the "
+            "shortest wave",
         )
     along = np.fft.fftfreq(points, 1 / points)
     q = 2 * np.pi / side * np.hypot(along[:, None], along[None, : points // 2 + 1])

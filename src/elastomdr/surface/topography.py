@@ -245,9 +245,10 @@ def _parts(scans: Sequence[Scan], shortest: float | None) -> list[_Part]:
         longest = min(2 * np.pi / waves.first for waves in every)
         if not least <= shortest <= longest / 2:
             raise InputError(
-                "shortest must be two steps of the data or more and a quarter of "
-                f"their length or less, {least:.4g} to {longest / 2:.4g} m, got "
-                f"{shortest:.4g} m."
+                argument="shortest",
+                got=float(shortest),
+                accepted=f"{least:.4g} to {longest / 2:.4g} m, two steps of the data "
+                "to a quarter of their length",
             )
         highest = [min(q, 2 * np.pi / shortest) for q in highest]
         highest[finest] = 2 * np.pi / shortest
@@ -255,11 +256,12 @@ def _parts(scans: Sequence[Scan], shortest: float | None) -> list[_Part]:
     parts = list(map(_Part, scans, every, limits, highest, names))
     for part in parts:
         if part.highest < 2 * part.waves.first:
-            why = f" ({part.limit.reason})" if part.limit.reason else ""
             raise InputError(
-                f"heights must hold waves from {2 * np.pi / part.waves.first:.4g} m down "
-                "to half of that or less, got none shorter than "
-                f"{2 * np.pi / part.highest:.4g} m{why}."
+                argument="heights",
+                got=float(2 * np.pi / part.highest),
+                accepted=f"resolved to waves of {np.pi / part.waves.first:.4g} m, "
+                "half of the longest",
+                hint=part.limit.reason,
             )
     return parts
 
@@ -270,7 +272,9 @@ def _mended(scan: Scan, detrend: bool) -> Scan:
     missing = ~np.isfinite(height)
     _check_size(height.shape)
     if missing.all():
-        raise InputError("heights must be numbers, got none that is finite.")
+        raise InputError(
+            argument="heights", got=np.nan, accepted="numbers, some of them finite"
+        )
     report += _coarse(height[~missing])
     # holes are bridged about the plane: on a slope their bridges would be steps
     plane = _plane(height, ~missing)
@@ -288,13 +292,20 @@ def _mended(scan: Scan, detrend: bool) -> Scan:
     # What rounding leaves of a plane is no roughness.
     if not height.std() > 1e-12 * np.abs(np.where(missing, 0, scan.height)).max():
         raise InputError(
-            "heights must differ from a straight line or plane, got a flat surface."
+            argument="heights",
+            got=float(height.std()),
+            accepted="rough beyond rounding, no straight line or plane",
         )
     from scipy.ndimage import binary_opening
 
     holes = binary_opening(missing, np.ones((_HOLE,) * height.ndim))
     if holes.all():
-        raise InputError("heights must have values outside of holes, got hardly any.")
+        raise InputError(
+            argument="heights",
+            got=float(missing.mean()),
+            accepted="known outside of large holes",
+            hint="this part of them is missing",
+        )
     if holes.mean() > _HOLLOW:
         report.append(
             f"{holes.mean():.0%} of the scan are large holes, which hold no short "
@@ -308,12 +319,11 @@ def _check_size(shape: tuple[int, ...]) -> None:
     least = _LEAST[len(shape)]
     if min(shape) >= least:
         return
-    kind = f"a profile must have {least} points"
-    if len(shape) == 2:
-        kind = f"a map must have {least} x {least} points"
-    hint = "; give a profile as an array of shape (n,)" if 1 in shape else ""
-    size = " x ".join(map(str, shape))
-    raise InputError(f"heights: {kind} or more, got {size}{hint}.")
+    hint = "give a profile as an array of shape (n,)" if 1 in shape else ""
+    size = " x ".join([str(least)] * len(shape))
+    raise InputError(
+        argument="heights", got=shape, accepted=f"{size} points or more", hint=hint
+    )
 
 
 def _plane(height: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -521,9 +531,10 @@ def _doubts_of_size(fit: _Fit, parts: Sequence[_Part]) -> list[str]:
     slope = _moment(fit, 3) ** 0.5
     if slope > _SLOPES[1]:
         raise InputError(
-            f"heights must have an rms slope of {_SLOPES[1]:g} or less, got "
-            f"{slope:.3g}: heights or pixel_size may be "
-            "in the wrong unit."
+            argument="heights",
+            got=slope,
+            accepted=f"of an rms slope of {_SLOPES[1]:g} or less",
+            hint="heights or pixel_size may be in the wrong unit",
         )
     doubts = _unlike(slope, "are heights and pixel_size in the right unit")
     for scan in (part.scan for part in parts):
@@ -1057,11 +1068,19 @@ def _cut(
     """The spectrum between two wave numbers of its table."""
     lowest, highest = spectrum.q_low, spectrum.q_high
     first, last = lowest if low is None else low, highest if high is None else high
-    if not lowest * (1 - 1e-9) <= first < last <= highest * (1 + 1e-9):
+    least, most = 2 * np.pi / highest, 2 * np.pi / lowest
+    for name, q in (("longest", first), ("shortest", last)):
+        if not lowest * (1 - 1e-9) <= q <= highest * (1 + 1e-9):
+            raise InputError(
+                argument=name,
+                got=2 * np.pi / q,
+                accepted=f"within the table, {least:.4g} to {most:.4g} m",
+            )
+    if not first < last:
         raise InputError(
-            "longest and shortest must be wavelengths within the table, "
-            f"{2 * np.pi / lowest:.4g} to {2 * np.pi / highest:.4g} m, "
-            f"got {2 * np.pi / first:.4g} and {2 * np.pi / last:.4g} m."
+            argument="shortest",
+            got=2 * np.pi / last,
+            accepted=f"shorter than the longest, {2 * np.pi / first:.4g} m",
         )
     first, last = float(max(first, lowest)), float(min(last, highest))
     inner = spectrum.q[(spectrum.q > first) & (spectrum.q < last)]

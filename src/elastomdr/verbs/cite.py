@@ -56,8 +56,9 @@ def cite(result: Result) -> str:
     """
     if not isinstance(result, Result):
         raise InputError(
-            "result must be what a verb such as em.friction returns, got "
-            f"{type(result).__name__}."
+            argument="result",
+            got=type(result).__name__,
+            accepted="what a verb such as em.friction returns",
         )
     signs = [type(result).__name__, result.model, *(name for name, _ in result.inputs)]
     publications = files("elastomdr.verbs").joinpath("references.bib")

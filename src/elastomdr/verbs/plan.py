@@ -58,7 +58,9 @@ def plan(
     if is_rough(shape):
         if quantity != "friction":
             raise InputError(
-                f"quantity must be 'friction' on a rough surface, got {quantity!r}."
+                argument="quantity",
+                got=quantity,
+                accepted="'friction' on a rough surface",
             )
         road_model = of_rough(model, shape, pressure)
         call = RoughCall(solid, shape, asked, rtol, heat, adhesion)

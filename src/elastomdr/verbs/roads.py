@@ -50,17 +50,22 @@ def cells_of_body(model: Model | str | None, quantity: str, label: str) -> int |
         return None
     if not isinstance(model, HalfSpace):
         raise InputError(
-            f"model must be em.Averaged(), em.Line() or em.HalfSpace() for a {label}, "
-            f"got {model!r}, which is for a surface under a pressure."
+            argument="model",
+            got=model,
+            accepted=f"em.Averaged(), em.Line() or em.HalfSpace() for a {label}",
         )
     if model.seeds != 1 or model.periods is not None:
         raise InputError(
-            f"model must be em.HalfSpace(cells=...) for a {label}, got {model!r}: "
-            "seeds and periods are for a surface."
+            argument="model",
+            got=model,
+            accepted=f"em.HalfSpace(cells=...) for a {label}",
+            hint="seeds and periods are for a surface",
         )
     if model.cells is not None and model.cells % 2:
         raise InputError(
-            f"cells must be an even whole number for a {label}, got {model.cells}."
+            argument="cells",
+            got=model.cells,
+            accepted=f"an even whole number for a {label}",
         )
     return model.cells or _CELLS
 
@@ -82,21 +87,24 @@ def of_rough(
         return model
     if isinstance(model, Averaged):
         raise InputError(
-            f"model must not be {model!r} on a rough line or surface: use "
-            "em.Line(average=True) for the line averaged "
-            "over directions, or em.Multiscale() for a surface under a pressure."
+            argument="model",
+            got=model,
+            accepted="one of a rough line or surface",
+            hint="use em.Line(average=True) for the line averaged over directions, "
+            "or em.Multiscale() for a surface under a pressure",
         )
     if isinstance(surface, RoughLine):
         raise InputError(
-            f"model must be em.Line() for an em.RoughLine, got {model!r}, which is "
-            "for a surface."
+            argument="model", got=model, accepted="em.Line() for an em.RoughLine"
         )
     if pressure is None:
         raise InputError(
-            f"model must be em.Line() for a surface without a pressure, got {model!r}."
+            argument="model",
+            got=model,
+            accepted="em.Line() for a surface without a pressure",
         )
     if not isinstance(model, SurfaceModel):
-        raise InputError(f"model must be one of friction, got {model!r}.")
+        raise InputError(argument="model", got=model, accepted="one of friction")
     return model
 
 
@@ -154,8 +162,11 @@ def _refuse(model: Line, call: RoughCall) -> None:
     )
     if call.asked.direction is not None:
         raise InputError(
-            "direction needs em.Multiscale(), em.Persson() or em.HalfSpace() and a "
-            f"surface under a pressure, got {model!r}."
+            argument="direction",
+            got=call.asked.direction,
+            accepted="left out with em.Line()",
+            hint="it needs em.Multiscale(), em.Persson() or em.HalfSpace() and a "
+            "surface under a pressure",
         )
 
 

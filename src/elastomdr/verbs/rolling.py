@@ -47,8 +47,9 @@ def rolling(
     """
     if isinstance(shape, AbstractShape) and shape.rolling_radius is None:
         raise InputError(
-            "shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a "
-            f"{shape.label}."
+            argument="shape",
+            got=shape,
+            accepted="one that rolls, an em.Sphere, em.Paraboloid or em.Cylinder",
         )
     solid: Any = material  # `over_materials` has taken a list apart
     asked = Asked(velocity, load, depth, pressure, temperature)

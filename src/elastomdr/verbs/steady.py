@@ -96,9 +96,11 @@ def in_64_bits_where(
                 and not sys.modules["jax"].config.read("jax_enable_x64")
             ):
                 raise InputError(
-                    f"em.{verb.__name__} under jit, grad or vmap needs JAX's 64-bit "
-                    "types: put `with jax.enable_x64(True):` around the call, or set "
-                    "JAX_ENABLE_X64=1."
+                    argument="jax_enable_x64",
+                    got=False,
+                    accepted=f"True for em.{verb.__name__} under jit, grad or vmap",
+                    hint="put `with jax.enable_x64(True):` around the call, or set "
+                    "JAX_ENABLE_X64=1",
                 )
             return verb(*args, **kwargs)
 
