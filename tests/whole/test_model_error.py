@@ -138,6 +138,33 @@ def test_not_known_and_why(name):
     assert np.isnan(found.to_dict()["model_error"]).all()
 
 
+SOFT = em.Prony(
+    1e6, [2e6], [1e-2], softening=em.Softening([1e-3, 0.1], [1.0, 0.5], [1.0, 0.6])
+)
+NEARLY_SOFT = em.Prony(1e6, [2e6], [1e-2], poisson=0.45, softening=SOFT.softening)
+LINEAR = {
+    "half-space": lambda: indent(SOFT, BALL),
+    "layer": lambda: indent(em.layer(SOFT, 5e-3), BALL),
+    "compressible layer": lambda: indent(em.layer(SOFT, 5e-3, bonded=False), BALL),
+    "springs": lambda: indent(em.springs(NEARLY_SOFT, 5e-3), BALL),
+    "adhesion": lambda: indent(SOFT, BALL, adhesion=em.Adhesion(0.05, cutoff=1e-7)),
+    "impact": lambda: impact(SOFT, em.Sphere(0.01)),
+    "slide": lambda: slide(SOFT, BALL),
+    "slide, rough": lambda: slide(SOFT, LINE),
+    "drive": lambda: drive(SOFT, BALL),
+    "shear": lambda: shear(SOFT, BALL),
+    "traction": lambda: traction(SOFT, BALL),
+}
+
+
+@pytest.mark.parametrize("name", LINEAR)
+def test_a_history_leaves_a_softening_out_and_warns(name):
+    with pytest.warns(em.ModelWarning, match="softening of the rubber"):
+        found = LINEAR[name]()
+    assert np.isnan(found.model_error).all()
+    assert any("softening" in doubt.says for doubt in found.doubts)
+
+
 def test_a_rough_line_is_no_surface():
     found = em.friction(RUBBER, LINE, velocity=[0.01, 1.0], load=1.0)
     assert found.converged.all()

@@ -32,7 +32,6 @@ from .impact_motion import Impacts, Striker, impacts
 from .layer_disc import incompressible_enough, of_layer
 from .oblique_impact import Oblique, ObliqueHistory, Slips, check_oblique, solve_oblique
 from .problem import (
-    SPRINGS,
     TRACED,
     Bound,
     bound_on,
@@ -242,8 +241,8 @@ def _report(
     oblique = None
     if slips is not None:
         oblique = solve_oblique(slips, scene, shape, history, solution)
-    bounds = {bound_on(f, Bound()) for f in scene.foundations}
-    bound = SPRINGS if SPRINGS in bounds else Bound()
+    bounds = (bound_on(f, Bound()) for f in scene.foundations)
+    bound = next((one for one in bounds if one.why), Bound())
     max_depth = shaped(motion.max_depth)
     deep = doubt_depth(scene.foundations[0], shape, max_depth)
     energy = 0.5 * scene.body.mass * scene.body.velocity**2

@@ -295,7 +295,7 @@ def indent(
     )
 
     bound = bound_on(foundation, Bound())
-    if bonds is not None:
+    if bonds is not None and not bound.warns:
         bound = _bound_on_edge(law, disc, bonds, solution)
 
     def known(field: Array) -> Any:

@@ -473,6 +473,7 @@ def of_layer(material: Layer, shape: AbstractShape) -> tuple[LayerDisc, Foundati
             viscosity=shear.viscosity,
             shift=shear.shift,
             vertical=shear.vertical,
+            softening=shear.softening,
             name=shear.name,
         )
     squeeze = 0.0 if not material.constant else material.squeeze()

@@ -33,7 +33,7 @@ from ..checks import (
 )
 from ..element.law import Foundation, as_foundation, half_space
 from ..element.moving_body import Steps
-from ..errors import InputError
+from ..errors import InputError, ModelWarning, warn
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation, scaled
 from ..material.shift import thermal_factors
@@ -72,17 +72,21 @@ class Bound(NamedTuple):
     size: Any = 0.0
     why: str = ""  # "springs stand for a layer"
     remedy: str = ""
+    warns: bool = False  # what is left out, the rubber has
 
     def at(self, computed: Array) -> Array:
         """At the points that are computed; NaN elsewhere."""
         return nan_unless(computed, self.size + 0.0 * computed)
 
     def marks(self, computed: Array) -> tuple[Doubt, ...]:
-        """The doubt in a result for which it is not known."""
+        """The doubt in a result for which it is not known; some with a warning."""
         if not self.why:
             return ()
         says = f"have no bound on the model: {self.why}"
-        return (Doubt("no prediction", computed != 0, says, self.remedy),)
+        doubt = Doubt("no prediction", computed != 0, says, self.remedy)
+        if self.warns:
+            warn(f"{doubt.words()}.", ModelWarning)
+        return (doubt,)
 
 
 def unknown(why: str, remedy: str = "") -> Bound:
@@ -99,10 +103,18 @@ STEADY_LINE = unknown(
     "em.friction for steady sliding",
 )
 ROUGH_LINE = unknown("a rough line is no surface")
+SOFTENED = Bound(
+    np.nan,
+    "the softening of the rubber by strain is left out, moduli are those of small strain",
+    "em.friction for steady sliding, which follows it",
+    warns=True,
+)
 
 
 def bound_on(foundation: Foundation, on_half_space: Bound) -> Bound:
-    """Of a model that is exact on what is given directly."""
+    """Of a linear model that is exact on what is given directly."""
+    if foundation.softening is not None:
+        return SOFTENED
     if foundation.slab is not None:
         return SPRINGS
     return on_half_space if foundation.per_area is False else Bound()
@@ -137,9 +149,8 @@ class SlidingBody(NamedTuple):
     @property
     def bound(self) -> Bound:
         """Of the model."""
-        if self.per_length:
-            return ROUGH_LINE
-        return bound_on(self.foundation, STEADY_LINE)
+        bound = bound_on(self.foundation, STEADY_LINE)
+        return ROUGH_LINE if self.per_length and not bound.warns else bound
 
     def doubt_depth(self, depth: Array) -> tuple[Doubt, ...]:
         """The doubt of an indenter that is too deep."""
