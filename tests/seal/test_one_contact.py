@@ -1,5 +1,6 @@
 """One rough contact: friction at a crawl, break-out and leak have the same real contact,
-also of rubber that softens; what a verb leaves out is a doubt.
+a pressed line has the gap, also of rubber that softens; what a verb leaves out is a
+doubt.
 """
 
 import dataclasses
@@ -106,6 +107,14 @@ def test_a_softening_that_is_the_same_at_all_strains_is_another_modulus():
     half = em.leak(rubber("elastic", 0.5e6), ROAD, **scene)
     for field in ("rate", "mean_gap", "critical_gap", "area_ratio"):
         assert getattr(found, field) == pytest.approx(float(getattr(half, field)), 1e-6)
+    for motion in ({}, {"velocity": 1.0}):
+        pressed, other = (
+            em.press(each, ROAD, pressure=1e5, model=em.Line(seeds=2), **motion)
+            for each in (soft, rubber("elastic", 0.5e6))
+        )
+        for field in ("separation", "stiffness", "conductance"):
+            expected = pytest.approx(float(getattr(other, field)), 1e-9)
+            assert getattr(pressed, field) == expected
 
 
 def test_derivatives_and_jit_of_rubber_that_softens():
@@ -120,7 +129,17 @@ def test_derivatives_and_jit_of_rubber_that_softens():
             rubber("softens"), ROAD, pressure=pressure, boundary_shear=1e4
         ).mu
 
+    def stiffness(pressure):
+        model = em.Line(seeds=2, periods=4)
+        return em.press(
+            rubber("softens"), ROAD, pressure=pressure, model=model
+        ).stiffness
+
     with jax.enable_x64(True):
+        value, slope = jax.jit(jax.value_and_grad(stiffness))(1e5)
+        assert value == pytest.approx(float(stiffness(1e5)), rel=1e-12)
+        change = float(stiffness(1e5 + 0.1) - stiffness(1e5 - 0.1)) / 0.2
+        assert float(slope) == pytest.approx(change, rel=1e-3)
         for verb in (flow, start):
             value, slope = jax.jit(jax.value_and_grad(verb))(1e5)
             assert value == pytest.approx(float(verb(1e5)), rel=1e-12)
@@ -153,12 +172,34 @@ def doubted(result):
     return [d for d in result.doubts if "softening" in d.says]
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_pressed_line_has_the_gap_of_the_leak(kind):
+    """Up to contacts of 80 %, also of rubber that softens, whose gap is a tenth there."""
+    road = em.SelfAffine(0.8, rms_slope=0.4, q_low=1e3, q_high=1e4)
+    pressure = np.geomspace(2e4, 4e5 if kind == "softens" else 8e5, 4)
+    leaks = em.leak(
+        rubber(kind), road, pressure=pressure, pressure_drop=1.0, viscosity=1e-3,
+        length=1e-3,
+    )  # fmt: skip
+    assert leaks.area_ratio[-1] > 0.7
+    found = em.press(rubber(kind), road, pressure=pressure)
+    np.testing.assert_allclose(found.separation, leaks.mean_gap, rtol=0.15)
+    assert not doubted(found)
+    assert np.isnan(found.model_error[0]) == (kind == "softens")
+    assert np.isnan(found.conductance_low[0]) == (kind == "softens")
+    crawls = em.press(rubber(kind), road, pressure=pressure[0], velocity=1e-14)
+    for field in ("separation", "stiffness"):
+        assert getattr(crawls, field) == pytest.approx(getattr(found, field)[0], 5e-3)
+
+
 def test_what_leaves_softening_out_says_so():
-    """Lines and maps are linear: no bound, and a doubt."""
-    pressed = em.press(rubber("softens"), ROAD, pressure=1e5)
+    """A line of heights and maps are linear: no bound, and a doubt."""
+    line = em.RoughLine(np.linspace(0, 1, 8), [0, 1, 0, 2, 1, 0, 3, 1])
+    wide = em.Line(equivalent_length=1.0)
+    pressed = em.press(rubber("softens"), line, pressure=1e5, model=wide)
     assert np.isnan(pressed.model_error)
     assert doubted(pressed)
-    assert not doubted(em.press(rubber("tread"), ROAD, pressure=1e5))
+    assert not doubted(em.press(rubber("tread"), line, pressure=1e5, model=wide))
     short = em.SelfAffine(0.8, rms_slope=0.4, q_low=1e3, q_high=4e3)
     model = em.HalfSpace(cells=32, seeds=2)
     leaks = em.leak(

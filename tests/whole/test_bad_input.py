@@ -160,7 +160,7 @@ CASES = {
     ),
     "pressure": (
         lambda: em.friction(SOLID, SPHERE, velocity=1.0, pressure=1e5),
-        "pressure belongs to a rough surface",
+        "pressure must be left out",
     ),
     "no shift law": (
         lambda: em.friction(SOLID, SPHERE, velocity=1.0, load=1.0, temperature=300.0),

@@ -22,6 +22,7 @@ import numpy as np
 
 from ..arrays import Array, xp
 from ..material.shift import thermal_factors
+from ..numerics.quadrature import gauss_unit
 from .against_lay import Directed, Which
 from .heat import highest_rise
 
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from ..surface.spectrum import AbstractSpectrum
 
 _SEARCHED = 512  # wave numbers among which those of a strain are looked for
+_OF_STRAIN = 64  # nodes of the mean over strains
 _ONSET = 0.1  # c of `place_of`
 # of the way from q_low to q_high; the root of zero has no derivative
 _LEAST_SHARE = 1e-300
@@ -49,6 +51,16 @@ class SoftenedByScale(NamedTuple):
         """Amplitude of strain at wave numbers q [rad/m], any shape."""
         square = 2 * np.pi * self.spectrum.moment(3, None, q)
         return self.share * xp.sqrt(xp.maximum(square, 1e-60))
+
+    def level(self) -> Any:
+        """E* over that of small strain, the root mean square over the slopes of all
+        waves, which real contact depends on: since strains grow as the root of these,
+        the square is the integral of 2 t f(t eps)^2 over t from 0 to 1.
+        """
+        nodes, weights, _ = gauss_unit(_OF_STRAIN)
+        strain = self.strain(xp.asarray(self.spectrum.q_high))
+        storage, _ = self.softening.factors(strain * nodes)
+        return xp.sqrt(xp.sum(2 * weights * nodes * storage**2))
 
     def bends(self) -> np.ndarray:
         """Wave numbers at which the strain is that of a point of the sweep, where its

@@ -55,7 +55,7 @@ from ..surface.lay import lay_of
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
 from ..surface.topography import skewness_of
-from .problem import Resting, not_rough, resting_body, softening_left_out
+from .problem import Resting, not_rough, resting_body
 from .results import RoughContact
 
 if TYPE_CHECKING:
@@ -111,7 +111,9 @@ def press(
         An `em.RoughContact`. `error` is twice the standard error over the lines, NaN
         for a single one. `model_error` is NaN outside the range of loads and cutoffs in
         which lines were compared with three dimensions, on measured surfaces, and of a
-        material with a softening, which lines do not follow.
+        material with a softening. Of this the contact on a surface by its spectrum has
+        the level of E* with which its area is that of `em.leak` and `em.break_out`,
+        where each length scale has its own; on a line it is left out.
 
     Raises:
         InputError: for arguments out of range, and in sliding where JAX traces them.
@@ -319,14 +321,15 @@ def _lines(surface: Surface, model: Line) -> list[RoughLine]:
 
 
 def _at_rest(points: _Points, lines: list[RoughLine], length: Array) -> _PressedContact:
-    load, rows = points.pressure * points.rest.soft * length, []
+    soft = points.rest.soft / points.rest.level()
+    load, rows = points.pressure * soft * length, []
     for line in lines:
         differ = "rough, with heights that differ"
         require("surface", line.height, differ, lambda heights: np.ptp(heights) > 0)
         on = bearing(line.height)
         _, gap, share = pressed(on, load)
         conductance = _conductance(share, length)
-        stiffness = 0.5 * conductance / points.rest.soft
+        stiffness = 0.5 * conductance / soft
         touches = share * line.height.size >= 1
         rows.append((on.mean - gap, gap, conductance, stiffness, touches))
     return _mean(rows, points)
@@ -351,7 +354,7 @@ def _sliding(
     from .periodic import Job, solve_lines
 
     assert points.velocity is not None
-    factor, vertical = points.rest.factor, points.rest.vertical
+    factor, vertical = points.rest.factor, points.rest.vertical * points.rest.level()
     reduced = (points.velocity * factor).ravel()
     load = (points.pressure / vertical * length).ravel()
     loads = np.concatenate([load, load * (1 - _STEP), load * (1 + _STEP)])
@@ -418,6 +421,8 @@ def _least(points: _Points, surface: Surface, line: RoughLine) -> Any:
     a line is long.
     """
     load = points.pressure * points.rest.soft
+    if points.rest.softened() is not None:  # it is one of linear rubber
+        return xp.full(points.shape, np.nan)
     if isinstance(surface, RoughLine):
         return least_conductance(load, xp.max(line.height) - xp.mean(line.height))
     spread, slope = (
@@ -453,12 +458,12 @@ def _times(
 def _judge(points: _Points) -> tuple[Doubt, ...]:
     """Points beyond the data of the material, and pressures above its modulus: at rest
     those of the time, in sliding by frequency of excitation, and at the longest waves;
-    and a softening, which lines do not follow.
+    and what is doubtful of a softening.
     """
     rest, shape = points.rest, points.shape
     foundation, surface = rest.foundation, rest.surface
     if points.velocity is None:
-        return rest.doubts(points.pressure, shape, softens=False)
+        return rest.doubts(points.pressure, shape, softens=True)
     reduced = points.velocity * rest.factor
     outside = excited_outside(foundation.range, surface, reduced)
     beyond = rough_beyond(foundation.range, outside, rest.temperature, shape)
@@ -466,7 +471,7 @@ def _judge(points: _Points) -> tuple[Doubt, ...]:
     longest = 2 * np.pi / surface.period if line else surface.q_low
     modulus = modulus_at(foundation, longest, reduced, rest.vertical)
     hard = pressed_too_hard(points.pressure, modulus)
-    return (*beyond, *hard, *softening_left_out(foundation, shape))
+    return (*beyond, *hard, *rest.of_softening(shape, softens=True))
 
 
 def _model_error(surface: Surface, points: _Points) -> Any:

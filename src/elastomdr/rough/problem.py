@@ -116,6 +116,11 @@ class Resting(NamedTuple):
             return None
         return SoftenedByScale(softening, surface, np.asarray(STRAIN_SHARE))
 
+    def level(self) -> Any:
+        """E* of the real contact over that of small strain."""
+        softened = self.softened()
+        return 1.0 if softened is None else softened.level()
+
     def doubts(
         self, pressure: Array, shape: tuple[int, ...], softens: bool
     ) -> tuple[Doubt, ...]:
@@ -126,10 +131,14 @@ class Resting(NamedTuple):
         known, time, temperature = self.foundation.range, self.time, self.temperature
         beyond = held_beyond(known, time, temperature, self.factor, shape)
         hard = pressed_too_hard(xp.broadcast_to(pressure, shape), 1 / self.soft)
+        return (*beyond, *hard, *self.of_softening(shape, softens))
+
+    def of_softening(self, shape: tuple[int, ...], softens: bool) -> tuple[Doubt, ...]:
+        """Strains beyond the sweep, or that the softening is left out."""
         softened = self.softened()
         if not softens or softened is None:
-            return (*beyond, *hard, *softening_left_out(self.foundation, shape))
-        return (*beyond, *hard, *strained_beyond(softened, known, shape))
+            return softening_left_out(self.foundation, shape)
+        return strained_beyond(softened, self.foundation.range, shape)
 
 
 def softening_left_out(body: SteadyBody, shape: tuple[int, ...]) -> tuple[Doubt, ...]:

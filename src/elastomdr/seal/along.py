@@ -40,9 +40,8 @@ from ..checks import Array
 from ..numerics.interpolation import hermite, integrals, monotone_slopes
 from ..numerics.root import bisect, search
 from ..results.base import part, quantity
-from ..rough.psd_integrals import nodes
 from .channels import Channels, GapFlow, RoughSeal
-from .persson_gap import closing_pressure, weighed_storage
+from .persson_gap import closing_pressure
 
 _PLACES = 65  # at which the fluid along an even seal is kept
 _CELLS, _MOST_CELLS = 64, 256  # of a seal whose pressure is not even
@@ -102,9 +101,7 @@ class PressedSeal(NamedTuple):
         """p/E* at which channels close."""
         surface, softened = self.rough.surface, self.rough.softened()
         level = closing_pressure(self.model.closes) * surface.rms_slope
-        if softened is None:
-            return level
-        return level * weighed_storage(nodes(surface), softened)
+        return level if softened is None else level * softened.level()
 
 
 class SealFlow(NamedTuple):

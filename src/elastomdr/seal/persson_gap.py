@@ -140,15 +140,6 @@ def closing_pressure(area: float) -> float:
     return float(np.exp(low))
 
 
-def weighed_storage(wave_nodes: Nodes, softened: SoftenedByScale) -> Any:
-    """E* over that of small strain, the root mean square by the waves' slopes: by which
-    a pressure that closes channels is less.
-    """
-    slopes = wave_nodes.power * wave_nodes.weight
-    stored = stored_at(softened, wave_nodes.q)
-    return ((slopes * stored**2).sum() / slopes.sum()) ** 0.5
-
-
 class GapScales(NamedTuple):
     """What is seen at each node but the ends, (points, nodes), with log z ascending."""
 
