@@ -353,6 +353,47 @@ async def the_road_of_a_slip_curve(page):
     assert "“Thermal conductivity λ”" in page.screen("Tyre").form._alert.text
 
 
+def test_friction_calibrated_on_the_page(tmp_path):
+    """Cutoff and shear law go into the scene, which is computed with them; without
+    points the field says what is missing.
+    """
+
+    async def act(user, page, opened):
+        stage = page.screen("Friction")
+        await stage.calibrate()
+        assert stage.form.widgets["measured"].error
+        scene = page._session.scenes["friction"]
+        road = em.SelfAffine(0.8, rms_slope=1.3, q_low=1256.6, q_high=6.28e4)
+        law = em.AdhesiveShear(8e6, 1e-2, 0.1, shift=em.Arrhenius(8e4, 293.15))
+        velocity, kelvin = np.geomspace(1e-5, 1.0, 6), np.array([[278.15], [308.15]])
+        mu = em.friction(
+            em.load_material("tread-passenger-synthetic"),
+            road.ended(5e4),
+            velocity=velocity,
+            temperature=kelvin,
+            pressure=3e5,
+            adhesion=law,
+        ).mu
+        rows = ["v [m/s],T [K],mu"]
+        rows += [
+            f"{velocity[j]},{kelvin[i, 0]},{value}"
+            for (i, j), value in np.ndenumerate(mu)
+        ]
+        scene.pop("heat", None)
+        scene.pop("adhesion", None)
+        page._session.folder.keep("rig.csv", "\n".join(rows).encode())
+        scene["measured"] = "rig.csv"
+        await stage.calibrate()
+        assert "cutoff" in scene["surface"]
+        assert page._session.done["friction"].asked["adhesion"] == scene["adhesion"]
+        assert float(scene["adhesion"]["energy"].split()[0]) == pytest.approx(
+            8e4, rel=0.2
+        )
+        assert not stage._sliders._of["[surface] shortest"]._place.visible
+
+    simulated(tmp_path, act)
+
+
 def test_measured_points_get_curves_at_their_temperatures():
     from elastomdr.app.computed import _with_measured
 

@@ -1,9 +1,13 @@
-"""`elastomdr fit`: what it prints and writes, and what it refuses in one line."""
+"""`elastomdr fit` and `elastomdr calibrate`: what they print and write, and what they
+refuse in one line.
+"""
 
 import argparse
 
+import numpy as np
 import pytest
 
+import elastomdr as em
 from elastomdr.cli.fit import Fit, add_arguments, content_of
 from elastomdr.cli.main import main
 from elastomdr.cli.schema import decode
@@ -127,3 +131,143 @@ def test_temperatures_without_a_unit_are_in_celsius():
     assert asked("--temperature", "-20,0,20").temperature == pytest.approx(kelvin)
     assert asked("--reference", "293.15 K").reference == 293.15
     assert asked("--reference", "20").reference == 293.15
+
+
+RIG = """
+title = "Rig"
+material = "tread-passenger-synthetic"
+temperature = ["5 degC", "35 degC"]
+
+[surface]
+shape = "self_affine"
+hurst = 0.8
+rms_height = "0.1 mm"
+longest = "5 mm"
+shortest = "0.1 mm"
+
+[contact]
+pressure = "0.5 MPa"
+velocity = ["1 mm/s", "10 mm/s"]
+"""
+
+
+def write_rig(folder, pressure=""):
+    """A scene, and friction of another cutoff and a shear law."""
+    road = em.SelfAffine(0.8, rms_height=1e-4, q_low=2 * np.pi / 5e-3, q_high=6e4)
+    road = road.ended(1.2e5)
+    law = em.AdhesiveShear(8e6, 2e-2, 0.1, shift=em.Arrhenius(8e4, 293.15))
+    velocity, celsius = np.geomspace(1e-6, 0.1, 7), np.array([[5.0], [35.0]])
+    mu = em.friction(
+        em.load_material("tread-passenger-synthetic"),
+        road,
+        velocity=velocity,
+        temperature=celsius + 273.15,
+        pressure=5e5,
+        adhesion=law,
+    ).mu
+    rows = [f"velocity [mm/s];temperature [degC];mu [%];error{pressure and ';p [bar]'}"]
+    for (i, j), value in np.ndenumerate(mu):
+        rows.append(
+            f"{velocity[j] * 1e3:.9g};{celsius[i, 0]};{value * 100:.9g};0.01{pressure}"
+        )
+    (folder / "rig.csv").write_text("\n".join(rows))
+    (folder / "rig.toml").write_text(RIG)
+
+
+def test_calibrated_scene_gives_the_calibrated_curve(tmp_path, monkeypatch, capsys):
+    """In another folder, with units of its own: what was written is computed again, and
+    is what was measured.
+    """
+    monkeypatch.chdir(tmp_path)
+    write_rig(tmp_path, ";5")
+    command = ["calibrate", "rig.toml", "--measured", "rig.csv", "--out", "new"]
+    assert main(command) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert len(out.splitlines()) <= 5
+    folder = tmp_path / "new"
+    scene = arguments("friction", "new/rig-calibrated.toml")
+    assert scene["temperature"].shape == (2, 1)
+    data = em.read_friction(tmp_path / "rig.csv")
+    at = {"velocity": data.velocity, "temperature": data.temperature, "pressure": 5e5}
+    law, rubber = scene["adhesion"], em.load_material(folder / "rig-material.toml")
+    surface = em.read_spectrum(folder / "rig-surface.csv", convention="2d")
+    text = (folder / "rig-calibrate.csv").read_text().splitlines()
+    rows = [line.split(",") for line in text if not line.startswith("#")]
+    computed = [float(row[rows[0].index("computed [-]")]) for row in rows[1:]]
+    for body, road in ((scene["material"], scene["shape"]), (rubber, surface)):
+        again = em.friction(body, road, adhesion=law, **at).mu
+        np.testing.assert_allclose(again, computed, rtol=1e-9)
+    np.testing.assert_allclose(computed, data.mu, atol=0.01)
+    assert main(["friction", "new/rig-calibrated.toml", "--out", "new"]) == 0
+
+
+def test_calibration_of_heights_alone(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_rig(tmp_path)
+    more = 'measured = "rig.csv"\n[adhesion]\nstress = "8 MPa"\nvelocity = "20 mm/s"\n'
+    more += 'width = 0.1\nenergy = "80 kJ/mol"\nreference = "20 degC"\n'
+    content = RIG.replace("[surface]", more + "[surface]\ncutoff_error = 0.5", 1)
+    (tmp_path / "rig.toml").write_text(content)
+    asked = ["--parameters", "heights, q_high", "--draws", "20", "--verbose"]
+    assert main(["calibrate", "rig.toml", *asked]) == 0
+    out, _ = capsys.readouterr()
+    assert "log10 a_T" in out
+    again = tmp_path / "rig-calibrated.toml"
+    lines = again.read_text().splitlines()
+    (error,) = (line for line in lines if line.startswith("cutoff_error"))
+    assert 0 < float(error.split("=")[1]) < 0.5
+    again.write_text("\n".join(line for line in lines if line != error))
+    scene = arguments("friction", "rig-calibrated.toml")
+    surface = em.read_spectrum("rig-surface.csv", convention="2d")
+    np.testing.assert_allclose(scene["shape"].c, surface.c, rtol=1e-12)
+    assert float(scene["shape"].rms_height) == pytest.approx(1e-4, rel=0.2)
+
+
+@pytest.mark.parametrize(
+    ("options", "change", "argument", "facts"),
+    [
+        ([], ("", ""), "--measured", ()),
+        (["--measured", "gone.csv"], ("", ""), "--measured", ("gone.csv",)),
+        (
+            ["--measured", "rig.csv", "--parameters", "q_hihg"],
+            ("", ""),
+            "--parameters",
+            ("q_high", "q_hihg"),
+        ),
+        (
+            ["--measured", "rig.csv", "--parameters", "gain"],
+            ("", ""),
+            "--parameters",
+            ("gain",),
+        ),
+        (["--measured", "rig.csv", "--draws", "few"], ("", ""), "--draws", ("few",)),
+        (["--measured", "rig.csv", "--out", "rig.csv"], ("", ""), "--out", ()),
+        (
+            ["--measured", "rig.csv"],
+            ('"0.5 MPa"', '["0.5 MPa", "1 MPa"]'),
+            "pressure",
+            ("rig.csv",),
+        ),
+        (["--measured", "rig.csv"], ("hurst = 0.8", "hurts = 0.8"), "hurts", ()),
+        (
+            ["--measured", "rig.csv"],
+            ('"tread-passenger-synthetic"', '["tread-passenger-synthetic", "epdm-70"]'),
+            "material",
+            (),
+        ),
+    ],
+)
+def test_calibrations_that_are_refused(
+    options, change, argument, facts, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    write_rig(tmp_path)
+    (tmp_path / "rig.toml").write_text(RIG.replace(*change) if change[0] else RIG)
+    before = sorted(path.name for path in tmp_path.rglob("*"))
+    assert main(["calibrate", "rig.toml", *options]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert all(fact in err for fact in (argument, *facts)), err
+    assert sorted(path.name for path in tmp_path.rglob("*")) == before

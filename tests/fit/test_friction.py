@@ -7,6 +7,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
+from elastomdr.fit import calibration
 
 from ..refused import refused
 
@@ -297,3 +298,138 @@ def test_a_spectrum_ended_elsewhere():
         ROAD.ended(1e3)
     with pytest.raises(InputError, match="factor must be positive"):
         ROAD.raised(0.0)
+
+
+KELVINS = np.repeat([278.15, 293.15, 308.15], 7)
+RIG = {
+    "velocity": np.tile(np.geomspace(1e-6, 0.1, 7), 3),
+    "temperature": KELVINS,
+    "pressure": 3e5,
+}
+TREAD = em.load_material("tread-passenger-synthetic")
+GROUND = em.SelfAffine(0.8, rms_slope=0.7, q_low=1.26e3, q_high=1e5)
+KNOWN = {"q_high": 0.5, "stress": 0.3, "velocity": 1.0, "width": 0.3, "energy": 0.1}
+
+
+def drawn_rig(seed, noise=0.03):
+    """Logarithms of the factors on cutoff and typical shear law, and friction so."""
+    random = np.random.default_rng(seed)
+    truth = random.normal(size=5) * list(KNOWN.values())
+    cutoff, stress, velocity, width, energy = 10.0**truth
+    law = em.AdhesiveShear(
+        6e6 * stress,
+        5e-3 * velocity,
+        0.1 * width,
+        shift=em.Arrhenius(9e4 * energy, 293.15),
+    )
+    mu = em.friction(TREAD, GROUND.ended(1e5 * cutoff), adhesion=law, **RIG).mu
+    size = noise * mu.mean()
+    return truth, mu + size * random.normal(size=mu.shape), size
+
+
+def test_intervals_of_cutoff_and_shear_hold_the_truth():
+    """By standard deviations, and by draws; sixty cases: calibration_coverage.py."""
+    linear, by_draws = [], []
+    for seed in range(4):
+        truth, mu, size = drawn_rig(100 + seed)
+        found = em.fit.calibrate(
+            TREAD,
+            GROUND,
+            measured=mu,
+            error=size,
+            parameters=("q_high", "shear"),
+            widths=KNOWN,
+            draws=0 if seed else 60,
+            **RIG,
+        )
+        assert list(found.parameters) == list(KNOWN)
+        for name, value in zip(KNOWN, truth, strict=True):
+            low, high = found.interval(name, 0.9)
+            (linear if found.draws is None else by_draws).append(low <= value <= high)
+    assert np.mean(linear) > 0.7
+    assert np.mean(by_draws) > 0.6
+    assert found.adhesion is not None
+    again = em.friction(TREAD, found.shape, adhesion=found.adhesion, **RIG)
+    np.testing.assert_allclose(again.mu, found.computed, rtol=1e-12)
+
+
+def test_draws_are_those_of_the_posterior():
+    """Where everything is linear and Gaussian draws have its mean and covariance; an
+    error that is estimated widens them as Student's t.
+    """
+    random = np.random.default_rng(1)
+    x = np.linspace(-1, 1, 12)
+    for error in (0.1, None):
+        task = calibration._Task(
+            lambda p: p[0] + p[1] * x,
+            np.zeros(2),
+            np.array([1.0, 0.2]),
+            0.3 + 0.1 * x + 0.1 * random.normal(size=12),
+            None if error is None else np.full(12, error),
+            (1e-3,),
+            1e-8,
+        )
+        solution = calibration._solve(task)
+        draws, counted = calibration._draw(task, solution, 4000, 0)
+        assert counted > 0.3
+        std = np.sqrt(np.diag(solution.covariance))
+        np.testing.assert_allclose(draws.mean(0), solution.point, atol=0.12 * std.max())
+        np.testing.assert_allclose(draws.std(0), std, rtol=0.15)
+
+
+def test_what_friction_does_not_decide_is_said():
+    """One temperature and one flank: no energy, and a summit that is not known."""
+    slow = {"velocity": np.geomspace(1e-6, 3e-6, 8), "temperature": 293.15}
+    law = em.AdhesiveShear(6e6, 5e-3, 0.1, shift=em.Arrhenius(9e4, 293.15))
+    mu = em.friction(TREAD, GROUND, adhesion=law, pressure=3e5, **slow).mu
+    mu = np.array(mu) * (1 + 0.1 * np.random.default_rng(0).normal(size=8))
+    found = em.fit.calibrate(
+        TREAD,
+        GROUND,
+        measured=mu,
+        error=0.1 * mu,
+        adhesion=law,
+        parameters=("shear",),
+        pressure=3e5,
+        **slow,
+    )
+    assert list(found.parameters) == ["stress", "velocity", "width"]
+    assert "stress" in found.undecided
+    said = dict(found.findings())
+    assert "not decided" in said["stress"]
+    with refused("parameters", "energy"):
+        em.fit.calibrate(
+            TREAD,
+            GROUND,
+            measured=mu,
+            adhesion=em.AdhesiveShear(6e6, 5e-3, 0.1),
+            parameters=("energy",),
+            pressure=3e5,
+            **slow,
+        )
+    with refused("draws", -1):
+        em.fit.calibrate(
+            TREAD, GROUND, measured=mu, draws=-1, parameters=("q_high",), **slow
+        )
+
+
+def test_points_far_off_and_the_table(tmp_path):
+    _, mu, size = drawn_rig(3)
+    mu[3] *= 1.5
+    with pytest.warns(em.fit.FitWarning, match="far off"):
+        found = em.fit.calibrate(
+            TREAD,
+            GROUND,
+            measured=mu,
+            error=size,
+            parameters=("q_high", "shear"),
+            **RIG,
+        )
+    assert f"{RIG['velocity'][3]:.3g} m/s" in " ".join(found.warnings)
+    assert {"at 5 °C", "at 20 °C", "at 35 °C"} <= dict(found.findings()).keys()
+    points, *_ = found.plot().get_lines()
+    np.testing.assert_allclose(points.get_ydata(), mu[:7])
+    found.to_csv(tmp_path / "table.csv")
+    again = em.read_friction(tmp_path / "table.csv", columns={"mu": "measured [-]"})
+    np.testing.assert_allclose(again.mu, mu)
+    np.testing.assert_allclose(again.temperature, KELVINS)

@@ -16,6 +16,7 @@ from nicegui.events import ValueChangeEventArguments
 import elastomdr as em
 
 from ..checks import significant
+from ..cli.fit import calibrated
 from ..cli.schema import Content
 from ..cli.units import Length, Pressure, SceneQuantity, Temperature
 from ..errors import InputError, quiet
@@ -59,6 +60,7 @@ from .words import path_of, spoken, with_signs
 _FAST, _COARSE = 2.0, 0.15
 _FEW = 8  # velocities of a curve that follows
 _REST = 0.3  # seconds after which a slider rests
+_CALIBRATED = ("q_high", "shear")
 _MOST_CURVES = 8  # temperatures up to which those of dropped measurements are added
 
 
@@ -112,6 +114,10 @@ class ComputedStage:
                     self._button = ui.button(
                         screen.button, on_click=self.compute
                     ).props(BUTTON)
+                    if screen.key == "friction":
+                        ui.button(
+                            "Calibrate to measured friction", on_click=self.calibrate
+                        ).props(f"{BUTTON} outline")
                 self._busy = Busy()
             with ui.element("div").classes("right"):
                 self._old = mark_of_age()
@@ -335,14 +341,44 @@ class ComputedStage:
             await self._show(computation, quiet)
         except InputError as error:
             self._clear()
-            of_road = error.argument.startswith("[surface]")
-            here = "[surface] shape" in self.form.widgets or not of_road
-            if here or not self._elsewhere(error):
-                self.form.show_error(error)
+            self._refuse(error)
         except CancelledError:
             return
         finally:
             self._button.enable()
+
+    def _refuse(self, error: InputError) -> None:
+        """Says what is wrong beside its field, here or on the screen of the road."""
+        of_road = error.argument.startswith("[surface]")
+        here = "[surface] shape" in self.form.widgets or not of_road
+        if here or not self._elsewhere(error):
+            self.form.show_error(error)
+
+    async def calibrate(self) -> None:
+        """Finds cutoff and shear law from the measured friction, and computes with
+        them.
+        """
+        if self._busy.on:
+            return
+        self._session.touch()
+        self.form.clear_errors()
+        content, folder = copy.deepcopy(self.content()), self._session.folder.path
+        try:
+            found = await self._busy.during(
+                COMPUTING, calibrated, content, folder, _CALIBRATED, kind="calibrate"
+            )
+        except InputError as error:
+            self._refuse(error)
+            return
+        except CancelledError:
+            return
+        scene = self._session.scenes["friction"]
+        scene |= {key: found.content[key] for key in ("surface", "adhesion")}
+        self._draw_form()
+        await self.compute()
+        self._notes.show(
+            [f"{name.capitalize()}: {spoken(words)}" for name, words in found.lines()]
+        )
 
     def _computed(self, content: Content) -> Done:
         start = time.thread_time()
@@ -503,6 +539,7 @@ class Sliders:
             for table in tables:
                 place = place.get(table, {})
             cut = place.get("shape", "spectrum") in ("self_affine", "spectrum")
+            cut = cut and not (key == "shortest" and "cutoff" in place)
             _place(slider, _MOVED[field][2], place.get(key) if cut else None)
 
     def read(self, computation: Done | None) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 
 from nicegui import ui
 
+from ..cli.kinds import toml
 from ..cli.schema import Content
 from ..errors import InputError
 from .cards import Cards
@@ -19,7 +20,7 @@ from .chart import Drawn
 from .computed import ComputedStage
 from .road import RoadStage
 from .rubber import RubberStage
-from .scene import CancelledError, Done, bundle, compute, files_of, toml
+from .scene import CancelledError, Done, bundle, compute, files_of
 from .screens import COMPARE, FRICTION, ROLLING, SEAL, TYRE
 from .security import Folder
 from .session import COMPUTING, DRAWING, Session, Sessions

@@ -17,13 +17,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tomli_w
 
 import elastomdr as em
 
-from .. import __version__
 from ..cli.compute import how_drawn
-from ..cli.kinds import decoded
+from ..cli.kinds import decoded, toml, without_empty
 from ..cli.schema import Content
 from ..errors import InputError, heard, quiet
 from ..results.base import Result
@@ -122,29 +120,6 @@ class Done:
         )
 
 
-def toml(verb: str, content: Content, stem: str, notes: tuple[str, ...] = ()) -> str:
-    """The scene file; its first lines say how it is run."""
-    head = [
-        f"# elastomdr {verb} {stem}.toml",
-        *(f"# {note}" for note in notes),
-        f"# written by elastomdr {__version__}",
-    ]
-    filled = without_empty(content)
-    lines = [
-        f"{key} = {_as_toml(value)}"
-        for key, value in filled.items()
-        if not isinstance(value, dict)
-    ]
-    for name, table in filled.items():
-        if isinstance(table, dict):
-            lines += [
-                "",
-                f"[{name}]",
-                *(f"{key} = {_as_toml(value)}" for key, value in table.items()),
-            ]
-    return "\n".join([*head, "", *lines, ""])
-
-
 def bundle(
     computation: Done, folder: Folder, stem: str, notes: tuple[str, ...] = ()
 ) -> bytes:
@@ -240,24 +215,6 @@ def _written(write: Callable[[Path], None], name: str) -> bytes:
 
 def _is_file(name: str) -> bool:
     return name.endswith(".toml") or "/" in name or "\\" in name
-
-
-def _as_toml(value: Any) -> str:
-    """A value in one line."""
-    if isinstance(value, dict):
-        return (
-            "{ "
-            + ", ".join(f"{key} = {_as_toml(one)}" for key, one in value.items())
-            + " }"
-        )
-    if isinstance(value, list):
-        return f"[{', '.join(map(_as_toml, value))}]"
-    return tomli_w.dumps({"x": value}).removeprefix("x = ").rstrip("\n")
-
-
-def without_empty(content: Content) -> Content:
-    """Without [numerics] as long as nothing stands in it."""
-    return {key: value for key, value in content.items() if key != "numerics" or value}
 
 
 COMPUTED = "computed"  # stands in the place of a coefficient or a table

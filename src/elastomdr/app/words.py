@@ -133,6 +133,8 @@ _LABELS = _TABLES | {
     "c_unit": "Unit of C|of the second column, where its title has none",
     "columns": "Columns|which two of several, from 1",
     "convention": "Convention of C|how the spectrum is normalised",
+    "cutoff": "Calibrated cutoff [rad/m]|in place of the shortest wavelength",
+    "heights": "Factor on all heights [-]",
     "cutoff_error": "Relative error of the shortest wave [-]|for the uncertainty band",
     "level_error": "Relative error of C [-]|for the uncertainty band",
     "detrend": "Mean plane subtracted",

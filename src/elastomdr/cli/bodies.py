@@ -226,6 +226,9 @@ class SurfaceTable(Table, tag_field="shape"):
         seed: elastomdr slide: which line of the surface
         periods: elastomdr slide: length of the line in longest waves
         samples: elastomdr slide: samples of the line, 64 or more
+        cutoff: upper cutoff in place of that of the shape; beyond its last wave C goes on
+            as its last power law
+        heights: factor on all heights
         level_error: relative standard deviation of C, with uncertainty
         cutoff_error: relative standard deviation of the upper cutoff, with uncertainty
     """
@@ -234,12 +237,22 @@ class SurfaceTable(Table, tag_field="shape"):
     seed: Count | None = None
     periods: Count | None = None
     samples: Count | None = None
+    cutoff: WaveNumber | None = None
+    heights: Positive | None = None
     level_error: Positive | None = None
     cutoff_error: Positive | None = None
 
     @abc.abstractmethod
     def make(self, folder: Path) -> Any:
         """The surface; files are looked for in `folder`."""
+
+    def changed(self, folder: Path) -> Any:
+        """The surface with its cutoff and factor."""
+        surface = self.make(folder)
+        if self.cutoff is not None:
+            with of_key("cutoff:"):
+                surface = surface.ended(self.cutoff)
+        return surface if self.heights is None else surface.raised(self.heights)
 
     def drawn(self, folder: Path, count: int | None) -> Any:
         """The surface, where no line of it is asked for, or so many draws of it where
@@ -251,7 +264,7 @@ class SurfaceTable(Table, tag_field="shape"):
                 "beside the model.",
                 argument=key,
             )
-        surface = self.make(folder)
+        surface = self.changed(folder)
         errors = given(self, "level_error", "cutoff_error")
         if not errors:
             return surface
@@ -269,7 +282,7 @@ class SurfaceTable(Table, tag_field="shape"):
         """
         if self.samples is not None and self.samples < 64:
             raise InputError(f"samples must be 64 or more, got {self.samples}.")
-        surface = self.make(folder)
+        surface = self.changed(folder)
         length = self.equivalent_length or 2 * math.pi / float(surface.q_low)
         if isinstance(length, str):
             length = surface.full_contact_length

@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
         files: dict[str, Callable[[Path], object]] = {}
         for name, each, how in drawn:
             files[f"{name}.csv"] = partial(_write_table, each, notes)
-            files[f"{name}.png"] = partial(_write_figure, each, how)
+            files[f"{name}.png"] = partial(write_figure, each, how)
         sentence = scene.said(results[0])
         try:
             further = scene.further_files(results[0])
@@ -199,7 +199,7 @@ def _write_table(result: "Result | Ranking", notes: str, path: Path) -> None:
     path.write_text(notes + path.read_text(encoding="utf-8"), encoding="utf-8")
 
 
-def _write_figure(result: Any, how: Arguments, path: Path) -> None:
+def write_figure(result: Any, how: Arguments, path: Path) -> None:
     figure = result.plot(**how).figure
     figure.savefig(path, dpi=_DPI, metadata={"Description": _in_words(figure)})
 

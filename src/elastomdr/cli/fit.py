@@ -1,22 +1,45 @@
 """`elastomdr fit DMA ...`: measured isotherms to a material file, cards, tables and
 figures. The options are the keys of one table, which is the form of the page as well.
+
+`elastomdr calibrate SCENE.toml`: measured friction to the scene, material and surface
+that give it.
 """
 
 import argparse
+import contextlib
+import copy
+import os
 import re
 import shlex
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import elastomdr as em
 
 from ..errors import InputError, quiet
+from ..files import csv_text
 from . import DONE, NOT_CONVERGED
-from .schema import Content, Plain, Several, Table, Text, decode, given, keys_of
+from .kinds import decoded, read_content, toml
+from .schema import (
+    Content,
+    Plain,
+    Several,
+    Table,
+    Text,
+    decode,
+    given,
+    keys_of,
+    of_key,
+    path_from,
+)
 from .typed import from_text, is_number
 from .units import Area, Duration, Length, MolarEnergy, Temperature
+
+if TYPE_CHECKING:
+    from ..surface.spectrum import AbstractSpectrum
 
 _READ = (
     "frequency_unit",
@@ -328,3 +351,184 @@ def strain_of(option: str) -> float:
 def _column(option: str) -> tuple[str, str | int]:
     role, _, title = option.partition("=")
     return role.strip(), int(title) if title.strip().isdigit() else title.strip()
+
+
+# what a scene cannot hold
+_OF_NO_SCENE = {"length", "offset", "gain"}
+_OF_LOAD = ("pressure", "load", "depth")
+# of a [surface], the parameter of each, and its size for one decade of that: C goes as
+# the heights squared
+_ERRORS = {"cutoff_error": ("q_high", 2.3026), "level_error": ("heights", 4.6052)}
+
+
+class Calibrated(NamedTuple):
+    """What was found, and the scene that has it."""
+
+    found: "em.fit.Calibration"
+    content: Content
+    files: dict[str, Callable[[Path], object]]  # material, surface, table and figure
+    data: "em.MeasuredFriction"
+    measured: Path
+
+    def lines(self) -> list[tuple[str, str]]:
+        """What is printed."""
+        found = self.found
+        known = [n for n in found.parameters if n not in found.undecided]
+        said = [
+            (
+                "found",
+                ", ".join(f"{name} {found.in_units(name)}" for name in known)
+                or "nothing: the data decide none of the parameters",
+            )
+        ]
+        shown = {"residuals": "residuals", "least known": "weakest"}
+        shown |= {name: name for name in found.undecided}
+        said += [
+            (shown[name], words) for name, words in found.findings() if name in shown
+        ]
+        return [*said, *(("doubt", words) for words in found.warnings)]
+
+
+def calibrated(
+    content: Content,
+    folder: Path,
+    parameters: Sequence[str],
+    *,
+    measured: Path | None = None,
+    draws: int = 0,
+    stem: str = "friction",
+) -> Calibrated:
+    """A scene of friction with what measured points say of it; its files, whose names
+    begin with `stem`, go beside it. The points are those of the scene unless others are
+    given. The errors of its surface are what is known
+    beforehand. Raises `InputError`.
+    """
+    import numpy as np
+
+    from ..material.library import material_info
+    from ..surface.spectrum import AbstractSpectrum
+    from .compute import write_figure
+
+    for name in set(parameters) & _OF_NO_SCENE:
+        raise InputError(
+            argument="parameters", got=name, accepted="among those that a scene holds"
+        )
+    named = content.get("measured")
+    if measured is None and not isinstance(named, str):
+        raise InputError(
+            argument="measured", got=named, accepted="a file of measured friction"
+        )
+    file = measured or folder / str(named)
+    content = {k: v for k, v in copy.deepcopy(content).items() if k != "measured"}
+    plain = {k: v for k, v in copy.deepcopy(content).items() if k != "uncertainty"}
+    known: Any = plain.get("surface", {})
+    widths = {
+        name: known.pop(key) / decades
+        for key, (name, decades) in _ERRORS.items()
+        if isinstance(known, dict) and isinstance(known.get(key), int | float)
+    }
+    scene: Any = decoded("friction", plain)
+    with quiet(em.fit.FitWarning), path_from("measured"):
+        data = em.read_friction(file)
+    given: Any = scene.arguments(folder) | {"velocity": data.velocity}
+    if data.temperature is not None:
+        given["temperature"] = data.temperature
+    if data.pressure is not None:
+        given = {k: v for k, v in given.items() if k not in _OF_LOAD}
+        given["pressure"] = data.pressure
+    for name in ("temperature", "direction", *_OF_LOAD):
+        if np.size(given.get(name, 0.0)) not in (1, data.mu.size):
+            raise InputError(
+                argument=name,
+                got=np.ravel(given[name]).tolist(),
+                accepted=f"a single value, since {data.source} has no column of it",
+            )
+    with quiet(), scene.in_keys():
+        found = em.fit.calibrate(
+            given.pop("material"),
+            given.pop("shape"),
+            **given,
+            measured=data.mu,
+            error=data.error,
+            parameters=parameters,
+            widths=widths,
+            draws=draws,
+        )
+    name = scene.material[0]
+    about = material_info(folder / name if name.endswith(".toml") else name)
+    files: dict[str, Callable[[Path], object]] = {
+        f"{stem}-calibrate.csv": found.to_csv,
+        f"{stem}-calibrate.png": partial(write_figure, found, {}),
+        f"{stem}-material.toml": partial(em.save_material, found.material, info=about),
+    }
+    content |= {"material": f"{stem}-material.toml"}
+    if isinstance(surface := found.shape, AbstractSpectrum):
+        files[f"{stem}-surface.csv"] = partial(_write_surface, surface)
+        content["surface"] |= {"cutoff": f"{float(surface.q_high)!r} rad/m"}
+        if "heights" in found.parameters:
+            before = content["surface"].get("heights", 1.0)
+            content["surface"]["heights"] = before * 10 ** found.parameters["heights"]
+        for key, (name, decades) in _ERRORS.items():
+            if key in content["surface"] and name in found.std:
+                content["surface"][key] = found.std[name] * decades
+    if (law := found.adhesion) is not None:
+        content["adhesion"] = {
+            "stress": f"{float(law.stress)!r} Pa",
+            "velocity": f"{float(law.velocity)!r} m/s",
+            "width": float(law.width),
+        }
+        if isinstance(law.shift, em.Arrhenius):
+            content["adhesion"] |= {
+                "energy": f"{float(law.shift.energy)!r} J/mol",
+                "reference": f"{float(law.shift.reference)!r} K",
+            }
+    return Calibrated(found, content, files, data, file)
+
+
+def _write_surface(surface: "AbstractSpectrum", path: Path) -> None:
+    header = ["power spectrum C of the surface, convention 2d: <h^2> = int C d^2q"]
+    columns = {"q [rad/m]": surface.q, "C [m^4]": surface.c}
+    path.write_text(csv_text(header, columns), encoding="utf-8")
+
+
+def run_calibration(options: argparse.Namespace) -> int:
+    """Writes the scene with its material and surface, table and figure; returns the
+    exit status.
+    """
+    from .compute import aligned, output_folder, write_all
+
+    path, folder = Path(options.scene), output_folder(options.out)
+    with of_key(f"{path.name or path}:"):
+        content = read_content(path)
+    try:
+        with em.progress("calibrating"):
+            done = calibrated(
+                content,
+                path.parent,
+                [name.strip() for name in options.parameters.split(",")],
+                measured=options.measured and Path(options.measured),
+                draws=options.draws,
+                stem=path.stem,
+            )
+    except InputError as error:
+        if error.argument in ("measured", "parameters", "draws"):
+            error.subject = f"--{error.argument}"
+        elif not str(error).startswith(path.name):
+            error.stands_for(f"{path.name}:")
+        raise
+    scene: Any = done.content | {"measured": os.path.relpath(done.measured, folder)}
+    for table in scene.values():
+        if isinstance(table, dict) and isinstance(file := table.get("file"), str):
+            table["file"] = os.path.relpath(path.parent / file, folder)
+    name = f"{path.stem}-calibrated"
+    text = toml("friction", scene, name, (f"calibrated with {done.measured.name}",))
+    files = done.files | {f"{name}.toml": lambda to: to.write_text(text, "utf-8")}
+    write_all(folder, files)
+    print(aligned(done.lines()))
+    if options.verbose:
+        print(done.found.summary())
+        points: Any = done.data.points
+        with contextlib.suppress(InputError), quiet():  # too few to be shifted
+            print(em.fit.friction_master(**points, error=done.data.error).summary())
+    print(f"wrote     {', '.join(str(folder / name) for name in files)}")
+    return DONE if done.found.converged else NOT_CONVERGED

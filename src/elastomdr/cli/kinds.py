@@ -1,7 +1,11 @@
-"""The kinds of scenes of each command, and reading a file as one of them."""
+"""The kinds of scenes of each command, reading a file as one of them, and writing it."""
 
 from pathlib import Path
+from typing import Any
 
+import tomli_w
+
+from .. import __version__
 from ..errors import InputError, closest
 from ..files import read_toml
 from .histories import (
@@ -101,3 +105,44 @@ def _refuse(verb: str, kind: type[Scene], key: str, table: bool) -> None:
         raise InputError(
             f"{name} is not known.{hint} That key belongs to scenes of another kind."
         )
+
+
+def toml(verb: str, content: Content, stem: str, notes: tuple[str, ...] = ()) -> str:
+    """The scene file; its first lines say how it is run."""
+    head = [
+        f"# elastomdr {verb} {stem}.toml",
+        *(f"# {note}" for note in notes),
+        f"# written by elastomdr {__version__}",
+    ]
+    filled = without_empty(content)
+    lines = [
+        f"{key} = {_as_toml(value)}"
+        for key, value in filled.items()
+        if not isinstance(value, dict)
+    ]
+    for name, table in filled.items():
+        if isinstance(table, dict):
+            lines += [
+                "",
+                f"[{name}]",
+                *(f"{key} = {_as_toml(value)}" for key, value in table.items()),
+            ]
+    return "\n".join([*head, "", *lines, ""])
+
+
+def _as_toml(value: Any) -> str:
+    """A value in one line."""
+    if isinstance(value, dict):
+        return (
+            "{ "
+            + ", ".join(f"{key} = {_as_toml(one)}" for key, one in value.items())
+            + " }"
+        )
+    if isinstance(value, list):
+        return f"[{', '.join(map(_as_toml, value))}]"
+    return tomli_w.dumps({"x": value}).removeprefix("x = ").rstrip("\n")
+
+
+def without_empty(content: Content) -> Content:
+    """Without [numerics] as long as nothing stands in it."""
+    return {key: value for key, value in content.items() if key != "numerics" or value}

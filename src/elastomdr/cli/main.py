@@ -252,6 +252,34 @@ def _add_fit(command: _Parser) -> None:
     add_verbose(command)
 
 
+def _add_calibrate(command: _Parser) -> None:
+    _add_scene(command, "the scene of friction, with what is known beforehand")
+    add = command.add_argument
+    add(
+        "--measured",
+        metavar="FILE",
+        help="points: velocity, mu, and temperature, pressure and error where they are "
+        "known (default: the scene's own)",
+    )
+    add(
+        "--parameters",
+        metavar="NAMES",
+        default="q_high,shear",
+        help="what is to be found (default: q_high,shear); heights, modulus, time and "
+        "others",
+    )
+    add(
+        "--draws",
+        metavar="N",
+        type=int,
+        default=0,
+        help="draws of the parameters, for intervals that need not be symmetric; 200 "
+        "take about a minute",
+    )
+    add("--out", metavar="DIR", default=".", help="folder for the files")
+    add_verbose(command)
+
+
 def _add_app(command: _Parser) -> None:
     command.add_argument(
         "--port",
@@ -297,6 +325,13 @@ _OTHERS: tuple[tuple[str, str, str, Callable[[_Parser], None]], ...] = (
         "fit:run",
         "a material file, with cards, tables and figures, from measured isotherms (DMA)",
         _add_fit,
+    ),
+    (
+        "calibrate",
+        "fit:run_calibration",
+        "cutoff and shear law of a scene from measured friction, with a scene, material "
+        "and surface that have them",
+        _add_calibrate,
     ),
     (
         "app",

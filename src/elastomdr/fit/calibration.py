@@ -1,21 +1,30 @@
-"""Chosen parameters of a material, or of a rough surface, adjusted to measured friction
-or rolling resistance: `em.fit.calibrate`.
+"""Chosen parameters of a material, a rough surface or a shear law, adjusted to measured
+friction or rolling resistance: `em.fit.calibrate`.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
-from scipy.special import stdtrit
+from scipy.special import ndtri, stdtrit
 
 from ..call.model_choice import is_rough
 from ..call.problem import Asked
-from ..checks import as_float64, in_si, one_of, positive, require
+from ..checks import (
+    as_float64,
+    in_si,
+    one_of,
+    positive,
+    require,
+    scalar,
+    whole_number,
+)
 from ..errors import (
     ConvergenceWarning,
     ExtrapolationWarning,
@@ -25,24 +34,27 @@ from ..errors import (
     quiet,
     warn,
 )
+from ..files import as_path, write_files
 from ..material.prony import Prony
-from ..material.shift import WLF
+from ..material.shift import WLF, Arrhenius
 from ..material.tabulated import needs_series
 from ..models import as_model
+from ..rough.adhesion import AdhesiveShear
 from ..surface.spectrum import AbstractSpectrum
 from ..trees import replaced
 from ..verbs.roads import KINDS, doubt_of, for_changes, hint_at_line, of_rough
-from .report import TWO_SIGMA, AbstractFindings, tell
+from .report import TWO_SIGMA, AbstractFindings, table_csv, tell
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
+    from matplotlib.axes import Axes
 
-    from .._types import ArrayLike, Motion
+    from .._types import ArrayLike, Motion, Style
     from ..call.types import Indenter, Surface
 
 # --------------------------------------------------------------------------------------
-# What a calibration may adjust: parameters of a material, of a surface, and of what
-# turns one into a coefficient.
+# What a calibration may adjust: parameters of a material, of a surface, of a shear law,
+# and of what turns one into a coefficient.
 #
 # All but `slope`, `cutoff` and `offset` are log10 of a factor, so that 0 leaves
 # everything as it is. The parameters of a surface act on its spectrum C(q): `q_high`
@@ -67,9 +79,28 @@ MEANINGS = {
         "log10 of a factor on equivalent_length of em.Line, the length that turns a "
         "pressure into a line load"
     ),
+    "stress": "log10 of a factor on the largest stress of the shear law",
+    "velocity": "log10 of a factor on the velocity of that stress",
+    "width": "log10 of a factor on the width of the shear law",
+    "energy": "log10 of a factor on the activation energy of the shear law",
     "offset": "a constant added to the computed coefficient, such as adhesion",
     "gain": "log10 of a factor on the computed coefficient",
 }
+
+SHEAR = "shear"  # stands for all parameters of the shear law
+_UNITS = {  # and how many make one of SI
+    "q_high": ("rad/m", 1.0),
+    "stress": ("MPa", 1e-6),
+    "velocity": ("mm/s", 1e3),
+    "width": ("", 1.0),
+    "energy": ("kJ/mol", 1e-3),
+}
+_OF_LAW = ("stress", "velocity", "width", "energy")
+# Dry tread rubber: 5 to 7 MPa, some mm/s and a width of 0.1 (Lorenz et al., J. Chem. Phys.
+# 142 (2015) 194701); 0.9 eV for its shift is of the size found there.
+TYPICAL = (6e6, 5e-3, 0.1)  # stress [Pa], velocity [m/s], width
+_ENERGY, _ROOM = 9e4, 293.15  # [J/mol], [K]
+_SAME = 1.0  # of temperatures that are one [K]
 
 Change = Callable[[Prony, Any, dict[str, Any]], tuple[Prony, Any]]
 
@@ -88,6 +119,15 @@ def check(
             "parameters q_high and heights need a surface with a spectrum, got "
             f"{shape!r}."
         )
+    law = scene.get("adhesion")
+    for name in names:
+        if name in _OF_LAW and name not in _parameters_of(law):
+            raise InputError(
+                argument="parameters",
+                got=name,
+                accepted="among those of the shear law in adhesion",
+                hint="energy needs an em.Arrhenius as its shift, width one above 0.",
+            )
     if "length" in names:
         model = as_model(scene.get("model"), KINDS)
         length = getattr(model, "equivalent_length", None)
@@ -118,7 +158,46 @@ def applied(
         model: Any = as_model(scene["model"], KINDS)
         length = model.equivalent_length * 10.0 ** values["length"]
         scene["model"] = dataclasses.replace(model, equivalent_length=length)
+    if set(_OF_LAW) & values.keys():
+        scene["adhesion"] = _shear(scene["adhesion"], values)
     return _of_material(material, values), shape, scene
+
+
+def _parameters_of(law: AdhesiveShear | None) -> dict[str, float]:
+    """The parameters of a shear law of which a factor can be found."""
+    if law is None:
+        return {}
+    found = {name: float(getattr(law, name)) for name in _OF_LAW[:3]}
+    if isinstance(law.shift, Arrhenius):
+        found["energy"] = float(law.shift.energy)
+    return {name: value for name, value in found.items() if value > 0}
+
+
+def _shear(law: AdhesiveShear, values: Mapping[str, float]) -> AdhesiveShear:
+    """A shear law with the parameters in it."""
+    new = {
+        name: value * 10.0 ** values.get(name, 0.0)
+        for name, value in _parameters_of(law).items()
+    }
+    shift = law.shift
+    if "energy" in new and isinstance(shift, Arrhenius):
+        shift = Arrhenius(new["energy"], shift.reference)
+    return AdhesiveShear(
+        new["stress"], new["velocity"], new.get("width", 0.0), shift=shift
+    )
+
+
+def _find_law(scene: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The shear law of a scene to begin with, a typical one where it has none, and
+    with a typical shift where it has none and temperatures differ.
+    """
+    law, kelvin = scene.get("adhesion"), scene.get("temperature")
+    law = AdhesiveShear(*TYPICAL) if law is None else law
+    if kelvin is not None and law.shift is None and np.ptp(kelvin) > _SAME:
+        flat = np.ravel(np.asarray(as_float64("temperature", kelvin)))
+        reference = float(flat[np.argmin(np.abs(flat - _ROOM))])
+        law = replaced(law, shift=Arrhenius(_ENERGY, reference))
+    return {"adhesion": law}
 
 
 def _of_material(material: Prony, values: Mapping[str, float]) -> Prony:
@@ -148,8 +227,10 @@ def _of_material(material: Prony, values: Mapping[str, float]) -> Prony:
 # Least squares with Gaussian priors; Jacobians by central differences of whole calls.
 # --------------------------------------------------------------------------------------
 
-# standard deviation of the prior of a parameter, about its start, where none is given
+# standard deviation of the prior of a parameter, about its start, where none is given:
+# of a shear law that of published ones, else a decade
 _WIDTH = 1.0
+_WIDTHS = {"stress": 0.3, "velocity": 1.5, "width": 0.3, "energy": 0.15}
 # of a parameter, in differences: under an indenter; on a surface across the ripples of
 # few random lines, then within one
 _STEPS_SMOOTH, _STEPS = (1e-3,), (0.05, 0.0125)
@@ -157,18 +238,25 @@ _STEPS_SMOOTH, _STEPS = (1e-3,), (0.05, 0.0125)
 _EXACTLY, _ROUGHLY = 1e-8, 1e-3
 # uncertainty of a parameter over that of its prior, and correlation of two, doubted
 _NOT_LEARNED, _CORRELATED = 0.7, 0.98
+_FAR = 3.5  # standard deviations, of all points but those, off the curve
+_NAMED = 3  # points far off that are named, the farthest
+_DEGREES = 5.0  # of freedom of the distribution from which draws are proposed
+_ROUNDS = 3  # of proposals, each of the size and place of the draws before
+_POOR = 0.05  # part of the draws that count, below which their intervals are doubted
+_LEAST_WAVES = 1.1  # q_high over q_low, below which there is no surface to speak of
 _LEAST = 0.2  # part of a parameter in the least known direction from which it is named
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration(AbstractFindings):
-    """A calibrated material and shape, the parameters that make them, and how well they
-    are known.
+    """A calibrated material, shape and shear law, the parameters that make them, and how
+    well they are known.
     """
 
     material: Prony
     # the indenter or surface, with the parameters that act on it
     shape: Indenter | Surface
+    adhesion: AdhesiveShear | None  # the shear law, where there is one
     parameters: dict[str, float]
     # standard deviation of each parameter, prior included; 1.96 times it holds 95 %, and
     # where the error of the data is estimated from few points, is as much wider as
@@ -176,6 +264,10 @@ class Calibration(AbstractFindings):
     std: dict[str, float]
     prior: dict[str, float]  # standard deviation of each parameter without the data
     covariance: Float[np.ndarray, "p p"]  # in the order of `parameters`
+    # of the parameters, all equally likely, where they were asked for
+    draws: Float[np.ndarray, "n p"] | None
+    velocity: Float[np.ndarray, "..."]  # [m/s]
+    temperature: Float[np.ndarray, "..."] | None  # [K]
     measured: Float[np.ndarray, "..."]
     # by the calibrated material; NaN where the contact did not converge
     computed: Float[np.ndarray, "..."]
@@ -205,6 +297,47 @@ class Calibration(AbstractFindings):
             np.sqrt(spread[-1])
         )
 
+    def interval(self, name: str, share: float = 0.95) -> tuple[float, float]:
+        """What holds a parameter with a probability of `share`: quantiles of the draws,
+        without them by its standard deviation. Raises `InputError`.
+        """
+        one_of("name", name, *self.parameters)
+        tail = 0.5 * (1 - float(scalar("share", share)))
+        if self.draws is None:
+            half = float(ndtri(1 - tail)) * self.std[name]
+            return self.parameters[name] - half, self.parameters[name] + half
+        column = self.draws[:, list(self.parameters).index(name)]
+        low, high = np.quantile(column, (tail, 1 - tail))
+        return float(low), float(high)
+
+    @property
+    def undecided(self) -> list[str]:
+        """The parameters that are as uncertain as they were without the data."""
+        return [
+            name
+            for name, after in self.std.items()
+            if after > _NOT_LEARNED * self.prior[name]
+        ]
+
+    def in_units(self, name: str) -> str:
+        """A parameter in the unit of what it changes, with its 95 % interval; where the
+        data do not decide it only within which it was assumed.
+        """
+        values = _parameters_of(self.adhesion)
+        if isinstance(self.shape, AbstractSpectrum):
+            values["q_high"] = float(self.shape.q_high)
+        at, unit = self.parameters[name], ""
+        ends = np.array([at, *self.interval(name)])
+        if name in values:
+            unit, times = _UNITS[name]
+            unit, ends = f" {unit}".rstrip(), times * values[name] * 10.0 ** (ends - at)
+        value, low, high = ends.tolist()
+        if name in self.undecided:
+            return (
+                f"not decided by the data, assumed within {low:.2g} to {high:.2g}{unit}"
+            )
+        return f"{value:.3g}{unit} ({low:.3g} to {high:.3g})"
+
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the calibration, as pairs of a name and a
         text.
@@ -213,8 +346,8 @@ class Calibration(AbstractFindings):
             yield (
                 name,
                 (
-                    f"{value:.4g} +- {TWO_SIGMA * self.std[name]:.2g}   "
-                    f"{MEANINGS.get(name, 'your own')}"
+                    f"{self.in_units(name)}   {value:.4g} +- "
+                    f"{TWO_SIGMA * self.std[name]:.2g} {MEANINGS.get(name, 'your own')}"
                 ),
             )
         if len(self.parameters) > 1:
@@ -239,8 +372,67 @@ class Calibration(AbstractFindings):
                 f"{self.evaluations} evaluations"
             ),
         )
+        for label, here in self._by_temperature():
+            left = self.residuals[here & self.used]
+            yield (
+                f"at {label}",
+                f"residuals {left.mean():+.2g} on average, "
+                f"{float(np.sqrt(np.mean(left**2))):.2g} rms of {left.size} points",
+            )
         for warning in self.warnings:
             yield "warning", warning
+
+    def _by_temperature(self) -> Iterator[tuple[str, np.ndarray]]:
+        """Each temperature in words, where there are several, and its points."""
+        from .drawing import celsius
+
+        kelvin = np.zeros(0) if self.temperature is None else self.temperature.round(2)
+        for level in np.unique(kelvin) if kelvin.size and np.ptp(kelvin) else ():
+            here = kelvin == level
+            if self.used[here].any():
+                yield celsius(float(level)), here
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes the points, measured and computed, as comma-separated text, the
+        findings in header lines.
+        """
+        columns = {"velocity [m/s]": self.velocity.ravel()}
+        if self.temperature is not None:
+            columns["temperature [K]"] = self.temperature.ravel()
+        columns |= {
+            "measured [-]": self.measured.ravel(),
+            "computed [-]": self.computed.ravel(),
+            "residual [-]": self.residuals.ravel(),
+            "used": self.used.ravel(),
+        }
+        text = table_csv("calibration", self.findings(), columns, self.intervals)
+        write_files({as_path(path): text.encode()})
+
+    def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
+        """Draws what was measured over what is computed at the same points, in a style
+        of `Result.plot`; returns matplotlib Axes.
+        """
+        from .drawing import draw_friction, sketch
+
+        made = sketch(
+            ("Velocity [m/s]", "Coefficient [-]"),
+            "Measured, and as calibrated",
+            ", ".join(
+                f"{name} {self.in_units(name).partition(' (')[0]}"
+                for name in self.parameters
+                if name not in self.undecided
+            ),
+            ax,
+            style,
+        )
+        draw_friction(
+            made,
+            self.velocity.ravel(),
+            None if self.temperature is None else self.temperature.ravel(),
+            np.where(self.used, self.measured, np.nan).ravel(),
+            {"calibrated": self.computed.ravel()},
+        )
+        return made.finish()
 
 
 @in_si
@@ -255,6 +447,8 @@ def calibrate(
     error: ArrayLike | None = None,
     widths: Mapping[str, float] | None = None,
     change: Change | None = None,
+    draws: int = 0,
+    seed: int = 0,
     **scene: Any,  # of either verb
 ) -> Calibration:
     """The parameters with which computed friction, or rolling resistance, comes closest
@@ -271,19 +465,26 @@ def calibrate(
         measured: measured coefficients, of the shape that the scene has.
         parameters: names from `elastomdr.fit.calibration.MEANINGS`, or a dict of names
             and starting values (0 where none is given; the cutoff starts at the
-            shortest relaxation time).
+            shortest relaxation time). "shear" stands for stress, velocity, width and,
+            with several temperatures, energy of `adhesion`, or of a law that is typical
+            of dry treads.
         quantity: "friction", or "rolling" for the resistance.
         error: standard deviation of a measurement, one number or one per point; by
             default estimated from the residuals.
-        widths: standard deviations of the priors by parameter, 1 where none is given.
+        widths: standard deviations of the priors by parameter, where none is given
+            those of published shear laws (stress and width .3, velocity 1.5, energy
+            .15), and else 1.
         change: `change(material, shape, values)` returns the material and the shape
             that parameters of your own make.
-        scene: other arguments of `em.friction`: load, pressure, temperature, model,
-            rtol.
+        draws: number of draws of the parameters given the data, by importance sampling
+            of whole calls, three for each; 0 for none.
+        seed: of the draws.
+        scene: other arguments of `em.friction`: load, pressure, temperature, adhesion,
+            heat, model, rtol.
 
     Returns:
-        A `Calibration` with the material, the shape and the uncertainty of each
-        parameter.
+        A `Calibration` with the material, the shape, the shear law and the uncertainty
+        of each parameter.
 
     Raises:
         InputError: for unknown names, measurements that do not match, and a start where
@@ -294,10 +495,15 @@ def calibrate(
     prior above its start.
     """
     one_of("quantity", quantity, "friction", "rolling")
-    start = _start(material, parameters, change is not None)
+    whole_number("draws", draws, least=0)
+    whole_number("seed", seed, least=0)
+    if not isinstance(parameters, str) and {SHEAR, *_OF_LAW} & set(parameters):
+        scene |= _find_law(scene)
+    start = _start(material, parameters, change is not None, scene)
     check(start, material, shape, scene)
     names = list(start)
-    spread = np.array([float((widths or {}).get(name, _WIDTH)) for name in names])
+    widths = _WIDTHS | dict(widths or {})
+    spread = np.array([float(widths.get(name, _WIDTH)) for name in names])
     positive("widths", spread)
     data, given = _checked_data(measured, error, len(names))
     scene = dict(scene, velocity=velocity)
@@ -305,7 +511,7 @@ def calibrate(
         width_of = dict(zip(names, spread, strict=True))
         scene["model"] = _road_model(shape, scene, width_of)
     task = _Task(
-        _computer(material, shape, quantity, names, change, scene),
+        _computer(material, shape, quantity, names, change, scene, data.shape),
         np.array(list(start.values())),
         spread,
         data,
@@ -314,13 +520,26 @@ def calibrate(
     )
     solution = _solve(task)
     values = dict(zip(names, solution.point.tolist(), strict=True))
-    changed, shape, _ = applied(material, shape, scene, values, change)
+    changed, shape, scene = applied(material, shape, scene, values, change)
     std = np.sqrt(np.diag(solution.covariance))
-    doubted = tuple(_judge(names, std, spread, solution))
+    drawn, counted = _draw(task, solution, draws, seed) if draws else (None, 1.0)
+    places = {
+        name: np.broadcast_to(as_float64(name, scene[name]), data.shape)
+        for name in ("velocity", "temperature")
+        if scene.get(name) is not None
+    }
+    doubted = (
+        *_judge(names, std, spread, solution, counted),
+        *_name_far(data - solution.computed, solution, places),
+    )
     tell(doubted)
     return Calibration(
         material=changed,
         shape=shape,
+        adhesion=scene.get("adhesion"),
+        draws=drawn,
+        velocity=places["velocity"],
+        temperature=places.get("temperature"),
         parameters=values,
         std=dict(zip(names, std.tolist(), strict=True)),
         prior=dict(zip(names, spread.tolist(), strict=True)),
@@ -337,9 +556,20 @@ def calibrate(
 
 
 def _judge(
-    names: list[str], std: np.ndarray, prior: np.ndarray, solution: _Solution
+    names: list[str],
+    std: np.ndarray,
+    prior: np.ndarray,
+    solution: _Solution,
+    counted: float,
 ) -> Iterator[str]:
-    """What cannot be relied on; `prior` are standard deviations without the data."""
+    """What cannot be relied on; `prior` are standard deviations without the data,
+    `counted` is the part of the draws that count.
+    """
+    if counted < _POOR:
+        yield (
+            f"Only {counted:.1%} of the draws count: the data leave the parameters a "
+            "shape that these do not reach. Ask for more draws."
+        )
     if not solution.converged:
         yield "The search did not converge."
     if missing := int((~solution.used).sum()):
@@ -360,6 +590,60 @@ def _judge(
                 f"{names[j]} and {names[i]} cannot be separated (correlation "
                 f"{correlation[i, j]:.3f})."
             )
+
+
+def _name_far(
+    residuals: np.ndarray, solution: _Solution, places: Mapping[str, np.ndarray]
+) -> Iterator[str]:
+    """Points that lie off the curve as no scatter of the others would have it."""
+    off = np.where(solution.used, residuals / solution.sigma, 0.0)
+    # half of the points lie within .6745 standard deviations
+    size = max(float(np.median(np.abs(off[solution.used]))) / 0.6745, 1e-12)
+    far = np.argsort(-np.abs(off), axis=None)
+    far = far[: int((np.abs(off) > _FAR * size).sum())]
+    if not far.size:
+        return
+    named = []
+    for i in far[:_NAMED]:
+        at = f"{places['velocity'].flat[i]:.3g} m/s"
+        if "temperature" in places:
+            at += f", {places['temperature'].flat[i] - 273.15:.4g} degC"
+        named.append(f"{at} ({residuals.flat[i]:+.2g})")
+    yield (
+        f"{far.size} of {off.size} points are far off the curve, more than {_FAR:g} "
+        f"times the scatter of the others: {'; '.join(named)}"
+        f"{' ...' if far.size > _NAMED else '.'}"
+    )
+
+
+def _draw(
+    task: _Task, solution: _Solution, count: int, seed: int
+) -> tuple[np.ndarray, float]:
+    """Draws of the parameters given the data, and the part of them that count.
+
+    Importance sampling: proposed from Student's distribution about the solution, then
+    twice about the mean and with the covariance of what has been drawn, wider tails
+    than the posterior's each time. Whole calls need no derivatives, so that no sampler
+    that asks for them would do with fewer.
+    """
+    random, size = np.random.default_rng(seed), solution.point.size
+    mean, covariance = solution.point, solution.covariance
+    points, weight = mean[None], np.ones(1)
+    for _ in range(_ROUNDS):
+        root = np.linalg.cholesky(covariance)
+        chi = random.chisquare(_DEGREES, (count, 1)) / _DEGREES
+        steps = random.standard_normal((count, size)) / np.sqrt(chi)
+        points = mean + steps @ root.T
+        proposed = -0.5 * (_DEGREES + size) * np.log1p((steps**2).sum(1) / _DEGREES)
+        log = np.array([task.likelihood(p, solution) for p in points]) - proposed
+        weight = np.exp(log - log.max())
+        weight /= weight.sum()
+        mean = weight @ points
+        left = points - mean
+        # what few draws have left out is not lost
+        covariance = (left.T * weight) @ left + 0.05 * solution.covariance
+    chosen = random.choice(count, count, p=weight)
+    return points[chosen], float(1 / (weight**2).sum() / count)
 
 
 def _checked_data(
@@ -437,6 +721,19 @@ class _Task(NamedTuple):
         size = 0.05 * max(float(np.abs(self.data).max()), 1e-12)
         return np.full(self.data.shape, size)
 
+    def likelihood(self, p: np.ndarray, solution: _Solution) -> float:
+        """Logarithm of the probability of parameters given the data, up to a constant;
+        an error that was estimated is integrated over.
+        """
+        used, computed = solution.used, self.compute(p)[solution.used]
+        if not np.isfinite(computed).all():
+            return -np.inf
+        square = (((self.data[used] - computed) / solution.sigma[used]) ** 2).sum()
+        fit = -0.5 * square
+        if self.error is None:
+            fit = -0.5 * computed.size * np.log(square)
+        return float(fit - 0.5 * (((p - self.begin) / self.spread) ** 2).sum())
+
     def scatter(self, computed: np.ndarray, used: np.ndarray) -> np.ndarray:
         """The error of the data, from what is left of them."""
         left = (self.data - computed)[used]
@@ -483,7 +780,10 @@ def _solve(task: _Task) -> _Solution:
 
 
 def _start(
-    material: Prony, parameters: Sequence[str] | Mapping[str, float], own_model: bool
+    material: Prony,
+    parameters: Sequence[str] | Mapping[str, float],
+    own_model: bool,
+    scene: Mapping[str, Any],
 ) -> dict[str, float]:
     """The parameters and where they start. Raises `InputError`."""
     needs_series("material", material, "a calibration")
@@ -500,10 +800,17 @@ def _start(
         )
     start: dict[str, float] = {}
     for name in parameters:
+        if name == SHEAR:
+            kelvin = scene.get("temperature")
+            several = kelvin is not None and np.ptp(kelvin) > _SAME
+            law = _parameters_of(scene["adhesion"])
+            start |= {key: 0.0 for key in law if key != "energy" or several}
+            continue
         if name not in MEANINGS and not own_model:
-            hint = closest(str(name), MEANINGS)
+            hint = closest(str(name), (SHEAR, *MEANINGS))
             raise InputError(
-                f"parameters must be among {', '.join(MEANINGS)}, got {name!r}.{hint}"
+                f"parameters must be among {', '.join((SHEAR, *MEANINGS))}, got "
+                f"{name!r}.{hint}"
             )
         value = 0.0
         if isinstance(parameters, Mapping):
@@ -521,15 +828,23 @@ def _computer(
     names: list[str],
     change: Change | None,
     scene: Mapping[str, Any],
+    size: tuple[int, ...],
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """What is computed from parameters; what was computed last is kept."""
+    """What is computed from parameters, of the shape `size`, NaN where a surface has no
+    waves left; what was computed last is kept.
+    """
     from ..verbs.friction import friction
     from ..verbs.rolling import rolling
 
     last: dict[bytes, np.ndarray] = {}
+    lowest = -np.inf
+    if "q_high" in names and isinstance(shape, AbstractSpectrum):
+        lowest = np.log10(_LEAST_WAVES * float(shape.q_low / shape.q_high))
 
     def compute(p: np.ndarray) -> np.ndarray:
         values: dict[str, float] = dict(zip(names, p.tolist(), strict=True))
+        if values.get("q_high", 0.0) < lowest:
+            return np.full(size, np.nan)
         body, form, rest = applied(material, shape, scene, values, change)
         with quiet(ConvergenceWarning, ExtrapolationWarning, ModelWarning):
             if quantity == "friction":

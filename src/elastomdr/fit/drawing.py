@@ -5,7 +5,7 @@ It knows no fit, so that the classes of fits, which draw themselves, can import 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -152,3 +152,40 @@ def draw_beyond(made: Sketch, x: np.ndarray, curves: Sequence[np.ndarray]) -> No
 def celsius(temperature: float) -> str:
     """A temperature [K] as it is written in a figure."""
     return f"{round(temperature - 273.15, 1) + 0.0:g} °C"  # without the sign of -0
+
+
+def draw_friction(
+    made: Sketch,
+    velocity: np.ndarray,
+    temperature: np.ndarray | None,
+    measured: np.ndarray,
+    computed: Mapping[str, np.ndarray],
+) -> None:
+    """Measured points, NaN where they count for nothing, in one colour for each
+    temperature, over what was computed at the same places: the first by its name as a
+    line, others dash-dotted.
+    """
+    made.ax.set(xscale="log")
+    kelvin = np.zeros(velocity.size) if temperature is None else temperature.round(2)
+    levels, looks = np.unique(kelvin), (("-", 0.7), ("-.", 0.5))
+    for level, colour in zip(levels, shades(levels.size), strict=True):
+        here = np.flatnonzero(kelvin == level)
+        here = here[np.argsort(velocity[here], kind="stable")]
+        label = "measured" if temperature is None else celsius(float(level))
+        of_level = velocity[here]
+        made.add(Dots(of_level, measured[here], label, is_curve=True, colour=colour))
+        for y, (dashes, width) in zip(computed.values(), looks, strict=False):
+            made.add(
+                Trace(
+                    of_level,
+                    y[here],
+                    colour=colour,
+                    dashes=dashes,
+                    width=width,
+                    silent=dashes != "-",
+                )
+            )
+    none = np.zeros(0)
+    for name, (dashes, width) in zip(computed, looks, strict=False):
+        made.add(Trace(none, none, name, dashes=dashes, width=width))
+    made.ax.set_ylim(0.0, None)

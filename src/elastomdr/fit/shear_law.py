@@ -143,8 +143,7 @@ class AdhesionFit(AbstractFindings):
         """Draws measured friction with the fitted sum and hysteresis alone, in a style
         of `Result.plot`; returns matplotlib Axes.
         """
-        from ..results.plotting import Dots, Trace
-        from .drawing import celsius, shades, sketch
+        from .drawing import draw_friction, sketch
 
         low, high = (x / 1e6 for x in self.interval["stress"])
         stress = f"{self.parameters['stress'] / 1e6:.3g} MPa"
@@ -155,33 +154,16 @@ class AdhesionFit(AbstractFindings):
             ax,
             style,
         )
-        made.ax.set(xscale="log")
-        kelvin = np.zeros(self.velocity.size)
-        if self.temperature is not None:
-            kelvin = np.round(self.temperature, 1)
-        levels = np.unique(kelvin)
-        for level, colour in zip(levels, shades(levels.size), strict=True):
-            here = np.flatnonzero(kelvin == level)
-            here = here[np.argsort(self.velocity[here], kind="stable")]
-            used, label = here[self.used[here]], "measured"
-            if self.temperature is not None:
-                label = celsius(float(level))
-            made.add(
-                Dots(
-                    self.velocity[used],
-                    self.measured[used],
-                    label,
-                    colour=colour,
-                    is_curve=True,
-                )
-            )
-            v, part = self.velocity[here], self.hysteresis[here]
-            made.add(Trace(v, part + self.adhesion[here], colour=colour, width=0.7))
-            made.add(Trace(v, part, colour=colour, dashes="-.", width=0.5, silent=True))
-        none = np.zeros(0)
-        made.add(Trace(none, none, "fitted sum", width=0.6))
-        made.add(Trace(none, none, "hysteresis", dashes="-.", width=0.6))
-        made.ax.set_ylim(0.0, None)
+        draw_friction(
+            made,
+            self.velocity,
+            self.temperature,
+            np.where(self.used, self.measured, np.nan),
+            {
+                "fitted sum": self.hysteresis + self.adhesion,
+                "hysteresis": self.hysteresis,
+            },
+        )
         return made.finish()
 
 
