@@ -32,7 +32,7 @@ class InputError(ValueError):
             with which `said` begins, before "must" or a colon.
         got: the value that is refused, likewise; not told where it is left out.
         accepted: what is accepted, in words that follow "must be", likewise.
-        hint: what to do, in words, likewise.
+        hint: what to do, in words, likewise; an advice may be in it.
     """
 
     def __init__(
@@ -59,20 +59,30 @@ class InputError(ValueError):
         self.rest = said.removeprefix(self.subject)
 
     def __str__(self) -> str:
-        return self.words(self.subject, _written)
+        return self.words()
 
-    def words(self, subject: str, shown: Callable[[object], str]) -> str:
-        """The sentence behind its places: it begins with `subject`, and the value is
-        as `shown` writes it.
+    def words(
+        self,
+        called: Callable[[str], str] = str,
+        shown: Callable[[object], str] | None = None,
+        advice: Callable[[Options], str] | None = None,
+    ) -> str:
+        """The sentence behind its places: arguments have the names that `called` gives
+        them, the value is as `shown` writes it, and what the hint says to type as
+        `advice` does.
         """
         rest = self.rest
         if not rest:
-            hint = self.hint
+            hint = self.hint if advice is None else told(self.hint, advice)
             ends = f". {hint.strip()}" if hint.endswith(("?", ".")) else f": {hint}."
-            got = f", got {shown(self.got)}" if self.tells_got else ""
+            got = f", got {(shown or written)(self.got)}" if self.tells_got else ""
             rest = f" must be {self.accepted}{got}{ends if hint else '.'}"
         between = "" if rest.startswith((" ", ":")) else " "
-        places = (" ".join(filter(None, place)) for place in self.places)
+        places = (
+            f"{called(argument) if argument else ''} {place}".strip()
+            for argument, place in self.places
+        )
+        subject = called(self.subject) if self.subject else ""
         return ": ".join((*places, f"{subject}{between}{rest}".strip()))
 
     def inside(self, place: str, argument: str = "") -> None:
@@ -99,25 +109,17 @@ class InputError(ValueError):
             for named, place in self.places
         )
 
-    def stands_in(self, table: str) -> None:
-        """Puts the table of a scene before the argument, unless it stands there."""
-        if not str(self).startswith(table):
-            self.subject = f"{table} {self.subject}".strip()
-            self.argument = f"{table} {self.argument}".strip()
-
-    def stands_for(self, key: str) -> None:
-        """Puts the key of a scene before the sentence, unless it stands there."""
-        if not str(self).startswith(key):
-            self.subject = f"{key} {self.subject}".strip()
-            self.argument = key.rstrip(":")
-
 
 _BRIEF = reprlib.Repr()
 _BRIEF.maxstring = _BRIEF.maxother = 120
 _MOST = 6  # entries that are shown
 
 
-def _written(value: object) -> str:
+def written(value: object) -> str:
+    """A value in a sentence: numbers of six digits, an array of a few entries."""
+    units = getattr(value, "units", None)  # of a quantity of pint
+    if units is not None and (number := getattr(value, "magnitude", None)) is not None:
+        return f"{written(number)} {units}"
     shape = getattr(value, "shape", None)
     if isinstance(value, float):
         return f"{value:g}"
@@ -127,6 +129,17 @@ def _written(value: object) -> str:
         value = getattr(value, "tolist", lambda: value)()
     value = str(value) if isinstance(value, os.PathLike) else value
     return " ".join(_BRIEF.repr(value).split())
+
+
+@contextlib.contextmanager
+def typed_as(argument: str, name: str) -> Iterator[None]:
+    """Calls an argument of an `InputError` by the name under which it was typed."""
+    try:
+        yield
+    except InputError as error:
+        if error.argument == argument:
+            error.called(name)
+        raise
 
 
 class ConvergenceWarning(UserWarning):
@@ -147,29 +160,56 @@ class ModelWarning(UserWarning):
     """
 
 
-# of each advice that has been given, by its text, the options of the command line
-_ADVISED: dict[str, Mapping[str, str | list[str]]] = {}
+Options = Mapping[str, str | list[str]]  # of the command line
 
 
-def advise(python: str, options: Mapping[str, str | list[str]]) -> str:
-    """Arguments to give, for a sentence: in Python, and as options of the command line,
-    such as "temperature=293.15 (--temperature 20degC)". Who has other words for them
-    finds the options by `advised`.
+class Advised(str):
+    """A text with advice in it, such as "temperature=293.15 (--temperature 20degC)"; its
+    parts are texts, and the options of the command line that an advice gives. What is
+    added to it is a part, too.
+    """
+
+    parts: tuple[str | Options, ...]
+
+    @classmethod
+    def of(cls, said: str, *parts: str | Options) -> Advised:
+        self = cls(said)
+        self.parts = parts
+        return self
+
+    def __add__(self, other: str) -> Advised:
+        return Advised.of(f"{self}{other}", *self.parts, *_parts(other))
+
+    def __radd__(self, other: str) -> Advised:
+        return Advised.of(f"{other}{self}", *_parts(other), *self.parts)
+
+
+def _parts(text: str) -> tuple[str | Options, ...]:
+    return text.parts if isinstance(text, Advised) else (text,)
+
+
+def advise(python: str, options: Options) -> Advised:
+    """Arguments to give, for a sentence: in Python, and as options of the command line.
+    Sentences are added to it, since an f-string would make a plain text of it.
     """
     shell = " ".join(
         f"--{name.replace('_', '-')} {shlex.quote(value) if value else ''}".strip()
         for name, values in options.items()
         for value in ([values] if isinstance(values, str) else values)
     )
-    said = f"{python} ({shell})"
-    _ADVISED[said] = options
-    return said
+    return Advised.of(f"{python} ({shell})", options)
 
 
-def advised(message: str) -> dict[str, Mapping[str, str | list[str]]]:
-    """The advices in a message, in order, with their options."""
-    found = [said for said in _ADVISED if said in message]
-    return {said: _ADVISED[said] for said in sorted(found, key=message.index)}
+def told(text: str, written: Callable[[Options], str]) -> str:
+    """A text whose advices are as `written` gives their options."""
+    return "".join(
+        part if isinstance(part, str) else written(part) for part in _parts(text)
+    )
+
+
+def advised(text: str) -> list[Options]:
+    """The options that a text advises to give, in order."""
+    return [part for part in _parts(text) if not isinstance(part, str)]
 
 
 def closest(word: str, valid: Iterable[str]) -> str:

@@ -412,10 +412,13 @@ def test_advice_in_the_words_of_the_fields():
     from elastomdr.errors import advise
     from elastomdr.io.columns import naming
 
-    either = f"{naming({'s': '1 MPa'})} or {naming({'a': '1 %'})}"
+    either = naming({"s": "1 MPa"}) + " or " + naming({"a": "1 %"})
     for python, fields in {
-        f"as {advise('poisson=0.4', {'poisson': '0.4'})}.": "as “Poisson's ratio ν” 0.4.",  # noqa: RUF001
-        f"{advise('vertical=False', {'no_vertical': ''})}.": "“Vertical shifts b_T”: no.",
+        "as "
+        + advise("poisson=0.4", {"poisson": "0.4"})
+        + ".": "as “Poisson's ratio ν” 0.4.",  # noqa: RUF001
+        advise("vertical=False", {"no_vertical": ""})
+        + ".": "“Vertical shifts b_T”: no.",
         naming({"storage": "4", "loss": "3"}): "“Columns” storage=4, loss=3",
         either: "“Columns” s=1 MPa or “Columns” a=1 %",
     }.items():
@@ -512,7 +515,7 @@ def test_every_screen(tmp_path, undrawn):
         user.find("Compute friction").click()
         await until(lambda: form.widgets["[contact] pressure"].error)
         assert form.widgets["[contact] pressure"].error.startswith(
-            "Nominal pressure p has a unit that is not known"
+            "Nominal pressure p must be with a unit that is known"
         )
         assert not session.done
         form.set("[contact] pressure", "0.3 MPa")

@@ -199,7 +199,7 @@ def test_from_files_to_friction(page):
     tab(page, "Road")
     shows(page, 1)
     drop(page, SAMPLE / "road.csv")
-    says(page, ERROR, "Convention of C is missing")  # never guessed
+    says(page, ERROR, "Convention of C must be")  # never guessed
     button(page, "Use sample road").click()
     says(page, ".words:visible", "0.8034")
     # a cutoff moves by a key, and the figure with it

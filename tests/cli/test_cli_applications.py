@@ -379,14 +379,14 @@ CASES = {
         "plan",
         BELT,
         ("Belt", "Belt"),
-        "[conveyor] belongs to elastomdr rolling",
+        "[conveyor] must be left out of a scene",
     ),
     "traction of a slider": ("traction", SCENE, ("Slider", "Slider"), "slip"),
     "rolling of a wheel that brakes": (
         "rolling",
         WHEEL,
         ("Brakes", "Brakes"),
-        "friction belongs to elastomdr traction",
+        "friction must be left out of a scene",
     ),
 }
 

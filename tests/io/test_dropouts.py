@@ -130,10 +130,10 @@ def test_dropouts_in_files_are_found_before_points_are_sorted_and_averaged(
         (
             0.3,
             -9999e-6,
-            (("heights", "12", 4096)),
+            ("path_or_heights", "12", 4096),
         ),
-        (0.7, -9999e-6, ("heights", "three quarters")),
-        (0.04, None, ("heights", "98%", 4096)),
+        (0.7, -9999e-6, ("path_or_heights", "three quarters")),
+        (0.04, None, ("path_or_heights", "98%", 4096)),
     ],
 )
 def test_too_many_dropouts_are_refused(share, value, words):

@@ -84,7 +84,7 @@ def test_too_many_columns_are_refused_at_once(reader, tmp_path):
     titles = ",".join(["f [Hz]", *(f"column {i} [MPa]" for i in range(20_000))])
     path = written(tmp_path / "wide.csv", titles, *[np.ones(3)] * 20_001)
     with pytest.raises(
-        em.InputError, match="2,000 columns at most, got 20,001"
+        em.InputError, match=r"2,000 columns at most.* 20,001"
     ) as caught:
         reader(path)
     assert len(str(caught.value)) < 200
@@ -225,7 +225,7 @@ def test_times_of_day_are_refused(start, hour, tmp_path):
     cells = [clock((t + start) % 86_400) for t in TIMES]
     path = written(tmp_path / "a.csv", "time,G(t) [MPa]", cells, 1 + TIMES**-0.2)
     with pytest.raises(
-        em.InputError, match=rf"begins at {hour} h and lasts .* s: a time of day"
+        em.InputError, match=rf"begins at {hour} h and lasts .* s, a time of day"
     ):
         read(path, temperature=293.15)
 
@@ -236,7 +236,7 @@ def test_formulas_without_values_are_refused_with_what_to_do(tmp_path):
     for i, f in enumerate(F, start=2):
         book.active.append([float(f), 20.0, f"=1+A{i}^0.3", f"=0.2*A{i}^0.3"])
     book.save(tmp_path / "a.xlsx")
-    with refused("path", "LibreOffice"):
+    with refused("path_or_paths", "LibreOffice"):
         read(tmp_path / "a.xlsx")
 
 

@@ -83,7 +83,7 @@ def test_sweeps_at_two_strains_are_not_one_sample(write, tmp_path, monkeypatch, 
     assert mentions(fit.warnings, "0.1 % is used", "5 % left out")
     assert fit.misfit == alone.misfit
     np.testing.assert_allclose(two.at_strain(0.05).storage, LARGE[:, 2])
-    with refused("strain", 0.1, 5, 2):
+    with refused("strain", 0.1, 5, 0.02):
         two.at_strain(0.02)
     monkeypatch.chdir(tmp_path)
     given = ["--strain", "5%", "--reference", "20degC", "--verbose"]

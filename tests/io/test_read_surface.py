@@ -85,13 +85,13 @@ def test_points_that_come_again_with_other_heights_are_refused(tmp_path):
     x, heights = below(TRACES)
     order = np.random.default_rng(0).permutation(x.size)
     file.write_text(table("x [mm],height [um]", x[order], heights[order]))
-    with refused("path", 3600, 4800):
+    with refused("path_or_heights", 3600, 4800):
         em.read_surface(file)
     i, j = np.indices((32, 32)).reshape(2, -1)
     maps = [rough((32, 32), seed=seed).ravel() for seed in (1, 2)]
     columns = [np.tile(i, 2), np.tile(j, 2), 1e6 * np.concatenate(maps)]
     file.write_text(table("x [um],y [um],height [um]", *columns))
-    with refused("path", 1024, 2048):
+    with refused("path_or_heights", 1024, 2048):
         em.read_surface(file)
 
 
@@ -160,7 +160,7 @@ def test_columns_and_their_units(tmp_path):
     for options, said in (
         ({"columns": (2, 4)}, "columns must be numbers from 1 to 3 or titles of 1: t"),
         ({"columns": (2, 3), "unit": ["mm"] * 3}, "one for each of the 2 columns"),
-        ({"columns": (2,)}, r"two columns \(x, height\) or three.*got 1"),
+        ({"columns": (2,)}, r"two columns \(x, height\) or three.*it has 1"),
         ({"columns": (2, 3), "unit": ["mm", "s"]}, "unit must be a unit of length"),
     ):
         with pytest.raises(em.InputError, match=said):

@@ -932,7 +932,7 @@ def test_what_a_script_sets_in_what_is_installed_is_refused(tmp_path):
                 em.sweep(call, {{"load": [1.0, 2.0]}}, **given)
                 print(name, "is not seen")
             except em.InputError as error:
-                print(str(error).partition("do not have: ")[2].partition(". Set")[0])
+                print(error.hint.partition("; set")[0])
             if owner is None:
                 decimal.getcontext().prec = 28
             elif before is None:
@@ -1205,9 +1205,7 @@ def test_what_cannot_be_sent_is_refused_at_once(tmp_path):
         def call(material, what=what, **rest):
             return em.friction(material, **rest)
 
-        with pytest.raises(
-            em.InputError, match=f"^call, axes and fixed arguments must .*{said}"
-        ):
+        with refused("call", said):
             em.sweep(**scene(call=call, store=tmp_path / "runs.zarr"))
     assert not (tmp_path / "runs.zarr").exists()
 
@@ -1810,7 +1808,7 @@ def test_a_friction_map_in_one_command(tmp_path, capsys):
     [
         (
             ('"indenter.radius"', '"indentor.radius"'),
-            "'indentor.radius'",
+            "indentor.radius must be",
         ),
         (
             ('["5 mm", "10 mm"]', "[]"),

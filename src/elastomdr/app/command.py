@@ -61,7 +61,9 @@ def serve(token: str, place: Path) -> Any:
         from nicegui import ui
     except ImportError as error:
         raise InputError(
-            f"elastomdr app needs NiceGUI: pip install 'elastomdr[app]' ({error})."
+            argument="app",
+            accepted="called where NiceGUI is installed",
+            hint=f"pip install 'elastomdr[app]' ({error})",
         ) from error
     from .page import page
     from .security import Guard
@@ -95,5 +97,8 @@ def _listen(door: socket.socket, port: int) -> None:
         door.listen()  # a browser that comes before the server is ready waits
     except (OSError, OverflowError) as error:
         raise InputError(
-            f"--port must be a free port, 0 to 65535, got {port}: {error}."
+            argument="--port",
+            got=port,
+            accepted="a free port, 0 to 65535",
+            hint=str(error),
         ) from error

@@ -171,7 +171,8 @@ class ComputedStage:
         taken = self.content().get("material", "none")
         names = taken if isinstance(taken, list) else [taken]
         self._unfitted.text = (
-            f"{', '.join(files)} is not fitted as it is filled in on the screen Rubber. "
+            f"{', '.join(files)} is not fitted as it is filled in on the screen "
+            "Rubber. "
             f"Here the rubber is {', '.join(n.removesuffix('.toml') for n in names)}."
         )
 

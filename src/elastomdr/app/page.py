@@ -64,7 +64,8 @@ class ExportStage:
             ).classes("about")
             if beside:
                 ui.label(
-                    f"It reads, beside it: {', '.join(beside)}. The zip archive has them."
+                    f"It reads, beside it: {', '.join(beside)}. The zip archive has "
+                    "them."
                 ).classes("about")
             with ui.element("div").classes("buttons"):
                 scene = scene_toml.encode()

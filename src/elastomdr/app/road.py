@@ -207,8 +207,10 @@ class RoadStage:
             ui.label("Which waves does the rubber feel?").classes("lead")
             ui.label(
                 "Waves longer than some 5 mm hardly add to friction. The shortest wave "
-                "is set by dirt, wear or water, usually at some micrometres. Each decade "
-                "of shorter waves adds friction, and needs the moduli at ten times higher "
+                "is set by dirt, wear or water, usually at some micrometres. Each "
+                "decade "
+                "of shorter waves adds friction, and needs the moduli at ten times "
+                "higher "
                 "frequencies."
             ).classes("about")
             for longest, shortest, slope in offers:

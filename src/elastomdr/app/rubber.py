@@ -238,7 +238,12 @@ def calculate(
     """Fits a material and keeps its file. Raises `InputError`."""
     folder = session.folder
     if not content["data"]:
-        raise InputError("data: drop a file, or use the sample.")
+        raise InputError(
+            argument="data",
+            got=None,
+            accepted="given",
+            hint="drop a file, or use the sample",
+        )
     asked: Fit = decode(Fit, content)
     folder.check(asked.data)
     if (
@@ -250,7 +255,12 @@ def calculate(
     try:
         fit = asked.fitted(folder.path, progress)
     except OSError as error:
-        raise InputError(f"data: {error.strerror or error}") from error
+        raise InputError(
+            argument="data",
+            got=list(asked.data),
+            accepted="files that can be read",
+            hint=str(error.strerror or error),
+        ) from error
     name = f"{fit.material.name}.toml"
     em.save_material(fit.material, folder.path / name, info=fit.info())
     rows = (f"row left out: {row}" for row in fit.master.dma.bad_rows)
@@ -276,9 +286,9 @@ def _of_form(error: InputError) -> InputError:
     """An error of a fit with the field that it is about: of a file, that which it asks
     for.
     """
-    options = next(iter(advised(str(error)).values()), {"data": ""})
+    options = next(iter(advised(error.hint)), {"data": ""})
     if error.argument == "columns" or error.argument not in keys_of(Fit):
-        error.argument = next(iter(options))
+        error.called(next(iter(options)))
     return error
 
 

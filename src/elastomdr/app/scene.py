@@ -200,7 +200,7 @@ def _within(law: object) -> Iterator[None]:
             and isinstance(got, float)
             and not axis[0] <= got <= axis[-1]
         ):
-            error.subject, error.argument = f"friction: {error.subject}", "friction"
+            error.inside("", "friction")
             error.hint = "Computed on the road of the road screen it covers what the wheel needs."
         raise
 
@@ -253,7 +253,7 @@ def compute_on_road(
         table = compute("friction", scene, folder, progress)
     except InputError as error:
         if not error.argument.startswith(("[surface]", "material")):
-            error.subject, error.argument = f"friction: {error.subject}", "friction"
+            error.inside("", "friction")
         raise
     folder.keep(TABLE, table.csv(), anew=True)
     computation = compute("traction", wheel | {"friction": TABLE}, folder)
@@ -311,8 +311,10 @@ def _needed(wheel: Content, folder: Folder) -> tuple[np.ndarray, np.ndarray]:
     sliding = np.abs(np.asarray(arguments[way]) * arguments["velocity"])
     if not (sliding > 0).all():
         raise InputError(
-            f"[contact] {way} must not be zero where friction is computed: nothing "
-            "slides."
+            argument=f"[contact] {way}",
+            got=0.0,
+            accepted="other than zero where friction is computed",
+            hint="nothing slides",
         )
     # The normal contact does not depend on slip: any one serves.
     once = em.traction(**arguments | {way: 0.5})

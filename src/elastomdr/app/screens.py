@@ -125,7 +125,8 @@ TYRE = Screen(
             "traction",
             WheelTraction,
             first=_ROLLING,
-            about="Friction on the road of the road screen is that of this rubber, with "
+            about="Friction on the road of the road screen is that of this rubber, "
+            "with "
             "heat and adhesion of the friction screen, where the wheel needs it. "
             "Otherwise it is a number or a table.",
         )

@@ -168,9 +168,18 @@ class Folder:
         numbered; `anew` replaces it.
         """
         if not content:
-            raise InputError(f"{name!r} is empty (0 bytes): export or copy it again.")
+            raise InputError(
+                argument="file",
+                got=name,
+                accepted="a file with content",
+                hint="it is empty (0 bytes): export or copy it again",
+            )
         if len(content) > MOST_BYTES:
-            raise InputError(_too_large())
+            raise InputError(
+                argument="file",
+                got=name,
+                accepted=f"of {MOST_BYTES / 1e6:g} MB or less",
+            )
         here = safe(name)
         if not anew:
             stem, dot, ending = here.rpartition(".")
@@ -187,9 +196,10 @@ class Folder:
         )
         if held_bytes + len(content) > self._most:
             raise InputError(
-                f"the files of this page must be {self._most / 1e6:g} MB or less "
-                "in "
-                "all."
+                argument="file",
+                got=name,
+                accepted="such that the files of this page have "
+                f"{self._most / 1e6:g} MB or less in all",
             )
         unfinished = self.path / f".{here}.part"
         unfinished.write_bytes(content)
@@ -208,7 +218,7 @@ class Folder:
         for name in names:
             if not isinstance(name, str) or name not in self.names():
                 raise InputError(
-                    f"file must be one that was dropped here, got {name!r}."
+                    argument="file", got=name, accepted="one that was dropped here"
                 )
 
     def remove(self) -> None:

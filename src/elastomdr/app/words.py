@@ -2,10 +2,10 @@
 scene files stand in the exported scene only.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 
 from ..cli.units import SceneQuantity, shown
-from ..errors import InputError, advised
+from ..errors import InputError, Options, told
 
 # By key, or by table and key where a key means different things. After a bar, what
 # stands below the field, where it is not what the scene's own key says.
@@ -306,11 +306,14 @@ def in_words(error: InputError, name: str = "") -> str:
     """An error about a scene in the words of the page; `name` is that of its field, such
     as "[contact] load".
     """
-    first, colon, rest = error.subject.partition(": ")
-    first = title(path_of(name)) if name and first else first
-    if path_of(rest)[-1] in _LABELS:
-        rest = quoted(*path_of(rest))
-    words = error.words(f"{first}{colon}{rest}", shown).split()
+
+    def called(argument: str) -> str:
+        if name and argument == error.argument:
+            return title(path_of(name))
+        path = path_of(argument)
+        return quoted(*path) if path[-1] in _LABELS else argument
+
+    words = error.words(called, shown, _options).split()
     return " ".join(spoken(" ".join(map(_in_fields, words))).split())
 
 
@@ -324,7 +327,7 @@ def _in_fields(word: str) -> str:
     return word
 
 
-def _options(options: Mapping[str, str | list[str]]) -> str:
+def _options(options: Options) -> str:
     """Options of the command line as fields, with what to type into them."""
     said = []
     for name, values in options.items():
@@ -339,9 +342,7 @@ def _options(options: Mapping[str, str | list[str]]) -> str:
 
 def spoken(message: str) -> str:
     """A message without what is said to users of Python and of the command line."""
-    for advice, options in advised(message).items():
-        message = message.replace(advice, _options(options))
-    message = message.replace("In a scene, titles", "Titles")
+    message = told(message, _options)
     message = message.replace(" beside the scene", " that was dropped here")
     said: list[str] = []
     depth = 0  # of the parentheses that are left out

@@ -24,18 +24,24 @@ def only_rough(
     """Refuses for an indenter what belongs to a rough surface. Raises `InputError`."""
     if not isinstance(branch, str) or branch != "cold":
         raise InputError(
-            "branch belongs to heat= on a rough surface; an indenter's friction has "
-            f"one temperature, got {branch!r}."
+            argument="branch",
+            got=branch,
+            accepted="left out for an indenter",
+            hint="it belongs to heat= on a rough surface",
         )
     if heat is not None:
         raise InputError(
-            "heat belongs to a rough surface; an indenter's friction is at the "
-            "temperature given."
+            argument="heat",
+            got=heat,
+            accepted="left out for an indenter",
+            hint="its friction is at the temperature given",
         )
     if direction is not None:
         raise InputError(
-            "direction is an angle to the lay of a rough surface; an indenter has "
-            f"none, got {direction!r}."
+            argument="direction",
+            got=direction,
+            accepted="left out for an indenter",
+            hint="it is an angle to the lay of a rough surface",
         )
 
 
@@ -49,8 +55,9 @@ def of_smooth(model: Model | str | None, quantity: str, label: str) -> Averaged 
     if isinstance(model, Averaged):
         return model
     raise InputError(
-        f"model must be em.Averaged() or em.Line() for {quantity} of a {label}, got "
-        f"{model!r}."
+        argument="model",
+        got=model,
+        accepted=f"em.Averaged() or em.Line() for {quantity} of a {label}",
     )
 
 
@@ -60,16 +67,20 @@ def of_line(model: Model | str | None, call: str) -> Line:
     if model is None:
         return Line()
     if not isinstance(model, Line):
-        raise InputError(f"model must be em.Line(...) in em.{call}, got {model!r}.")
+        raise InputError(
+            argument="model", got=model, accepted=f"em.Line(...) in em.{call}"
+        )
     return model
 
 
 def _bare(model: Line, label: str) -> Line:
     if model.average:
         raise InputError(
-            "model must be em.Averaged(corrected=False) for the line averaged over "
-            f"directions of a {label}, got "
-            "em.Line(average=True), which is for rough lines and surfaces."
+            argument="model",
+            got=model,
+            accepted="em.Averaged(corrected=False) for the line averaged over "
+            f"directions of a {label}",
+            hint="average=True of em.Line is for rough lines and surfaces",
         )
     default = Line()
     for name in _OF_SURFACES:
@@ -78,7 +89,9 @@ def _bare(model: Line, label: str) -> Line:
             not isinstance(value, int) or value != getattr(default, name)
         ):
             raise InputError(
-                f"{name} of em.Line belongs to a rough line or surface, not to a "
-                f"{label}; got {value!r}."
+                argument=name,
+                got=value,
+                accepted=f"left out of em.Line for a {label}",
+                hint="it belongs to a rough line or surface",
             )
     return model

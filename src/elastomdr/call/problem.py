@@ -160,7 +160,9 @@ def check_rtol(rtol: Any, least: str = "1e-10", most: str = "1e-1") -> float:
         rtol = rtol.item()
     number = isinstance(rtol, (int, float)) and not isinstance(rtol, bool)
     if not number or not float(least) <= rtol <= float(most):
-        raise InputError(f"rtol must be a number from {least} to {most}, got {rtol!r}.")
+        raise InputError(
+            argument="rtol", got=rtol, accepted=f"a number from {least} to {most}"
+        )
     return float(rtol)
 
 
@@ -168,14 +170,18 @@ def check_carries(foundation: Any) -> None:
     """Raises `InputError` for what carries no rough surface: a layer, a liquid."""
     if foundation.per_area:
         raise InputError(
-            "material must be a half-space under a rough surface, got a layer."
+            argument="material",
+            got=foundation,
+            accepted="a half-space under a rough surface, not a layer",
         )
     at_rest = foundation.complex_modulus(np.zeros(()))
     if not possible(lambda modulus: modulus.real > 0, at_rest):
         raise InputError(
-            "material must have an equilibrium modulus under a rough surface, got 0: "
-            "a liquid carries no steady load on an unbounded surface, since every "
-            "element sinks until the mean force is gone."
+            argument="material",
+            got=foundation,
+            accepted="a solid with an equilibrium modulus under a rough surface",
+            hint="a liquid carries no steady load on an unbounded surface, since "
+            "every element sinks until the mean force is gone",
         )
 
 
@@ -191,10 +197,12 @@ def _check_shift(temperature: Array, velocity: Array, factor: Array | float) -> 
             temperature, velocity * factor, lost(velocity, factor)
         )
     raise InputError(
-        f"temperature must keep the velocity times a_T between {1 / _FASTEST:g} "
-        f"and {_FASTEST:g} m/s, got {float(temperature[bad].flat[0]):g} K with v a_T = "
-        f"{float(reduced[bad].flat[0]):.3g} m/s: too far from where "
-        "the shift law was measured."
+        argument="temperature",
+        got=float(temperature[bad].flat[0]),
+        accepted=f"such that the velocity times a_T is between {1 / _FASTEST:g} and "
+        f"{_FASTEST:g} m/s",
+        hint=f"v a_T is {float(reduced[bad].flat[0]):.3g} m/s, too far from where the "
+        "shift law was measured",
     )
 
 

@@ -62,8 +62,9 @@ def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
             return verb(*args, **kwargs)
         if not material:
             raise InputError(
-                "material must be a material or a list of one or more, got an "
-                "empty list."
+                argument="material",
+                got=material,
+                accepted="a material or a list of one or more",
             )
         named: dict[str, Any] = dict(kwargs)
         if takes_rtol and isinstance(material, Draws):
@@ -143,8 +144,10 @@ def _beside(surfaces: Draws[Any], material: Any) -> Draws[Any]:
         return Draws([material] * len(surfaces), getattr(material, "name", ""), words)
     if not isinstance(material, Draws) or len(material) != len(surfaces):
         raise InputError(
-            "material must be one, or as many draws of one, where shape is "
-            f"{len(surfaces)} draws of a surface, got a list of {len(material)}."
+            argument="material",
+            got=material,
+            accepted=f"one, or {len(surfaces)} draws of one, as many as shape is "
+            "draws of a surface",
         )
     return Draws(
         material, material.name, f"{material.words}; {surfaces.name}: {surfaces.words}"

@@ -22,6 +22,7 @@ from .schema import (
     Table,
     Text,
     given,
+    keys_of,
     of_key,
     only_one,
     path_from,
@@ -150,8 +151,9 @@ class ProfileTable(Shape, tag="profile"):
             r, z = self.r, self.z
         else:
             raise InputError(
-                "must have either a file, or lists r and z, for a profile given as "
-                "points."
+                argument="r",
+                got=self.r,
+                accepted="given with z, or a file in place of both, for a profile given as points",
             )
         return em.Profile(
             [metres * x for x in r],
@@ -192,10 +194,13 @@ def _points(folder: Path, file: str) -> tuple[list[float], list[float]]:
         lines = read_text(folder / file).split("\n")
     except OSError as error:
         raise InputError(
-            f"file {shown(file)} cannot be read: {error.strerror or error}."
+            argument="file",
+            got=file,
+            accepted="a file that can be read",
+            hint=str(error.strerror or error),
         ) from error
     except ValueError as error:
-        raise InputError(f"file {shown(file)} is not a text file.") from error
+        raise InputError(argument="file", got=file, accepted="a text file") from error
     rows: list[tuple[float, float]] = []
     titles = False
     for i, line in enumerate(lines, start=1):
@@ -208,8 +213,10 @@ def _points(folder: Path, file: str) -> tuple[list[float], list[float]]:
         except ValueError as error:
             if rows or titles:
                 raise InputError(
-                    f"file {shown(file)}, line {i}, must be two numbers, r and z, "
-                    f"got {line[:200]!r}."
+                    argument="file",
+                    got=line[:200],
+                    accepted="a table of two numbers in each line, r and z",
+                    hint=f"that is line {i} of {shown(file)}",
                 ) from error
             titles = True
     return [r for r, _ in rows], [z for _, z in rows]
@@ -260,9 +267,10 @@ class SurfaceTable(Table, tag_field="shape"):
         """
         for key in given(self, *_OF_LINE):
             raise InputError(
-                f"{key} belongs to elastomdr slide; here it stands in [contact], "
-                "beside the model.",
                 argument=key,
+                got=getattr(self, key),
+                accepted="left out here, where it stands in [contact], beside the model",
+                hint="it belongs to elastomdr slide",
             )
         surface = self.changed(folder)
         errors = given(self, "level_error", "cutoff_error")
@@ -270,8 +278,8 @@ class SurfaceTable(Table, tag_field="shape"):
             return surface
         if count is None:
             raise InputError(
-                "level_error and cutoff_error belong to uncertainty, the number of "
-                "draws."
+                argument="level_error" if "level_error" in errors else "cutoff_error",
+                accepted="left out without uncertainty, the number of draws",
             )
         sizes = {name.removesuffix("_error"): size for name, size in errors.items()}
         return surface.draws(count, seed=1, **sizes)
@@ -281,7 +289,9 @@ class SurfaceTable(Table, tag_field="shape"):
         [m].
         """
         if self.samples is not None and self.samples < 64:
-            raise InputError(f"samples must be 64 or more, got {self.samples}.")
+            raise InputError(
+                argument="samples", got=self.samples, accepted="64 or more"
+            )
         surface = self.changed(folder)
         length = self.equivalent_length or 2 * math.pi / float(surface.q_low)
         if isinstance(length, str):
@@ -319,7 +329,11 @@ class SelfAffineTable(SurfaceTable, tag="self_affine"):
         only_one(self, "longest", "q_low")
         only_one(self, "shortest", "q_high")
         if self.rolloff is not None and self.q_rolloff is not None:
-            raise InputError("must have one of rolloff, q_rolloff, got both.")
+            raise InputError(
+                argument="q_rolloff",
+                got=self.q_rolloff,
+                accepted="left out where rolloff is given",
+            )
 
     def make(self, folder: Path) -> Any:
         waves = {
@@ -370,8 +384,11 @@ class SpectrumTable(SurfaceTable, tag="spectrum"):
         )
         if self.q is not None and (options or self.c is None):
             raise InputError(
-                "must have c beside q, and nothing that goes with a file, got "
-                f"{', '.join(options)}."
+                argument=next(iter(options), "c"),
+                got=next(iter(options.values()), None),
+                accepted="left out where q and c are given"
+                if options
+                else "given beside q",
             )
 
     def make(self, folder: Path) -> Any:
@@ -380,7 +397,7 @@ class SpectrumTable(SurfaceTable, tag="spectrum"):
         options = given(
             self, "wave_number", "q_unit", "c_unit", "columns", "longest", "shortest"
         )
-        with path_from("file"):
+        with path_from("file", keys_of(type(self))):
             return em.read_spectrum(
                 folder / str(self.file), convention=self.convention, **options
             )
@@ -410,7 +427,7 @@ class Measured(SurfaceTable, tag="file"):
         for key in ("unit", "pixel_size"):
             if key in options and len(options[key]) == 1:
                 (options[key],) = options[key]
-        with path_from("file"):
+        with path_from("file", keys_of(type(self))):
             return em.read_surface(folder / self.file, detrend=self.detrend, **options)
 
 
@@ -472,8 +489,10 @@ class ShearOfContact(Table):
     def __post_init__(self) -> None:
         if (self.energy is None) != (self.reference is None):
             raise InputError(
-                "energy and reference belong together: give both, or neither for "
-                "an athermal stress."
+                argument="reference" if self.reference is None else "energy",
+                got=None,
+                accepted="given, as energy and reference belong together, or both "
+                "left out for an athermal stress",
             )
 
     def arguments(self, folder: Path) -> Arguments:

@@ -21,7 +21,7 @@ from ..files import no_formula, write_files
 from . import DONE, NOT_CONVERGED
 from .kinds import read_scene
 from .scene import Scene
-from .schema import Arguments, of_key, path_from
+from .schema import Arguments, of_file, path_from
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     """
     path, folder = Path(options.scene), output_folder(options.out)
     with warned_of_at_the_end():
-        with of_key(f"{path.name or path}:"):
+        with of_file(path):
             scene = read_scene(options.verb, path)
             arguments = scene.arguments(path.parent)
             beside: Any = scene.beside(path.parent)
@@ -108,7 +108,9 @@ def output_folder(out: str) -> Path:
     except (OSError, ValueError):
         usable = False
     if not usable:
-        raise InputError(f"--out must be a folder that can be written, got {out!r}.")
+        raise InputError(
+            argument="--out", got=out, accepted="a folder that can be written"
+        )
     return folder
 
 
@@ -127,8 +129,10 @@ def write_all(folder: Path, files: dict[str, Callable[[Path], object]]) -> None:
         write_files(contents)
     except OSError as error:
         raise InputError(
-            f"--out must be a folder that can be written, got {str(folder)!r}: "
-            f"{error.strerror}."
+            argument="--out",
+            got=str(folder),
+            accepted="a folder that can be written",
+            hint=str(error.strerror),
         ) from error
 
 
@@ -178,8 +182,8 @@ def how_drawn(scene: Scene, arguments: Arguments, folder: Path) -> Arguments:
             try:
                 measured = em.read_friction(folder / file)
             except InputError as error:  # a scene has no options for the reader
-                said = 'In a scene, titles have to say it, such as "velocity [mm/s]".'
-                error.rest += f" {said}"
+                said = 'titles of a file have to say it, such as "velocity [mm/s]"'
+                error.hint = f"{error.hint}; {said}" if error.hint else said
                 raise
         for line in measured.report:
             warn(line, em.ModelWarning)
@@ -232,12 +236,13 @@ def _curve_in_words(line: Any) -> str:
 def run_plan(options: argparse.Namespace) -> int:
     """Prints the plan of a scene; returns the exit status."""
     path = Path(options.scene)
-    with warned_of_at_the_end(), of_key(f"{path.name or path}:"):
+    with warned_of_at_the_end(), of_file(path):
         scene = read_scene(options.quantity, path)
         if scene.called() != options.quantity:
             raise InputError(
-                f"[{scene.mark}] belongs to elastomdr {options.quantity}, not to "
-                "elastomdr plan."
+                argument=f"[{scene.mark}]",
+                accepted="left out for elastomdr plan",
+                hint=f"it belongs to elastomdr {options.quantity}",
             )
         folder = None if options.out is None else output_folder(options.out)
         with scene.in_keys():

@@ -228,7 +228,9 @@ def run(options: argparse.Namespace) -> int:
     folder = output_folder(options.out)
     if (options.shore_a is None) == (not options.data):
         raise InputError(
-            "DMA must be given, one file or more, or --shore-a instead of them."
+            argument="DMA",
+            got=options.data or None,
+            accepted="given, one file or more, or --shore-a in place of them",
         )
     try:
         # a hardness has no files
@@ -239,7 +241,7 @@ def run(options: argparse.Namespace) -> int:
             fit = asked.fitted(Path())
     except InputError as error:
         if error.argument.partition("[")[0] in keys_of(Fit):
-            error.subject = f"--{error.subject.replace('_', '-')}"
+            error.called(f"--{error.argument.replace('_', '-')}")
         raise
     folder.mkdir(parents=True, exist_ok=True)
     paths = fit.save(folder)

@@ -180,8 +180,10 @@ class Sine(Program, tag="sine"):
             amplitude = (Force if self.depth is None else Length).read(self.amplitude)
         if self.depth is None and (size < amplitude).any():
             raise InputError(
-                "amplitude must not be larger than load: a load that pulls needs "
-                "adhesion."
+                argument="amplitude",
+                got=self.amplitude,
+                accepted="no larger than load",
+                hint="a load that pulls needs adhesion",
             )
         time = np.linspace(0, self.cycles / self.frequency, self.points)
         return time, np.add.outer(
@@ -361,10 +363,18 @@ class Stage(Table):
 
     def __post_init__(self) -> None:
         if self.way is None and self.duration is None:
-            raise InputError("duration is missing, or a way with a velocity.")
+            raise InputError(
+                argument="duration",
+                got=None,
+                accepted="given, or a way with a velocity",
+            )
         if self.way is not None and (self.duration is not None or not self.velocity):
             raise InputError(
-                "way needs a velocity that is not zero, and no duration beside it."
+                argument="velocity" if not self.velocity else "duration",
+                got=self.duration if self.velocity else self.velocity,
+                accepted="left out beside a way with a velocity"
+                if self.velocity
+                else "given and not zero beside a way",
             )
 
     def motion(self) -> tuple[float, float]:
@@ -419,9 +429,9 @@ class DriveTable(Table):
         """The drive as an object. Raises `InputError` for a history of depth."""
         if load is None:
             raise InputError(
-                "[drive] needs stages with a load: a body on a spring has no "
-                "depth of its own.",
                 argument="[drive]",
+                accepted="left out without stages with a load",
+                hint="a body on a spring has no depth of its own",
             )
         return em.Mount(self.mass, self.stiffness, self.damping or 0.0)
 
@@ -440,8 +450,8 @@ class SurfaceDrive(DriveTable):
         whole = super().mount(load)
         if load is None or not load[-1] > 0:
             raise InputError(
-                "[drive] needs a load above zero in the last stage.",
                 argument="[drive]",
+                accepted="left out, or with a load above zero in the last stage",
             )
         return whole.for_line(float(load[-1]), self.normal_force)
 
@@ -535,9 +545,9 @@ def follow(
                 else f"one of {', '.join(stage.pressed)}"
             )
             raise InputError(
-                f"[stage {i}] must have {wanted}, got "
-                f"{' and '.join(pressed) or 'none of them'}.",
                 argument=f"[stage {i}]",
+                got=list(pressed),
+                accepted=f"given {wanted}",
             )
         (name,) = found
         new = pressed.get(name, values[-1] if values else 0.0)

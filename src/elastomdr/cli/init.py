@@ -41,12 +41,15 @@ def run(options: argparse.Namespace) -> int:
     path = Path(name or f"{kind}.toml")
     if path.suffix != ".toml":
         raise InputError(
-            f"NAME.toml must end in .toml, or be one of {', '.join(kinds())}, got "
-            f"{str(path)!r}."
+            argument="NAME.toml",
+            got=str(path),
+            accepted=f"a name that ends in .toml, or one of {', '.join(kinds())}",
         )
     if measured and kind != "road":
         raise InputError(
-            f"--profile and --spectrum belong to --kind road, got --kind {kind}."
+            argument="--kind",
+            got=kind,
+            accepted="road, to which --profile and --spectrum belong",
         )
     content = _filled_in(kind, path, options)
     try:
@@ -54,11 +57,17 @@ def run(options: argparse.Namespace) -> int:
             file.write(content)
     except FileExistsError as error:
         raise InputError(
-            f"{path} exists already: give another name, elastomdr init NAME.toml."
+            argument="NAME.toml",
+            got=str(path),
+            accepted="another file, since this one exists",
+            hint="give another name, elastomdr init NAME.toml",
         ) from error
     except (OSError, ValueError) as error:
         raise InputError(
-            f"{path} cannot be written: {getattr(error, 'strerror', None) or error}."
+            argument="NAME.toml",
+            got=str(path),
+            accepted="a file that can be written",
+            hint=str(getattr(error, "strerror", None) or error),
         ) from error
     verb = content.split("elastomdr ", 1)[1].split()[0]
     print(f"wrote {path}\nelastomdr {verb} {path}")

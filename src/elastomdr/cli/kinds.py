@@ -60,15 +60,23 @@ def read_content(path: Path) -> Content:
         return read_toml(path)
     except OSError as error:
         raise InputError(
-            f"the scene cannot be read: {error.strerror or error}."
+            argument="SCENE",
+            got=path.name,
+            accepted="a file that can be read",
+            hint=str(error.strerror or error),
         ) from error
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise InputError(
-            f"the scene must be UTF-8 text, which line {line} is not: save it as UTF-8."
+            argument="SCENE",
+            got=path.name,
+            accepted="UTF-8 text",
+            hint=f"line {line} is not: save it as UTF-8",
         ) from error
     except ValueError as error:  # not TOML, no valid path
-        raise InputError(f"the scene is not valid TOML: {error}.") from error
+        raise InputError(
+            argument="SCENE", got=path.name, accepted="valid TOML", hint=str(error)
+        ) from error
 
 
 def decoded(verb: str, content: Content) -> Scene:
@@ -87,7 +95,7 @@ def _refuse(verb: str, kind: type[Scene], key: str, table: bool) -> None:
     name = f"[{key}]" if table else key
     if any(key in keys_of(other) for other in KINDS[verb]):
         raise InputError(
-            f"{name} does not belong to a scene of this kind: {about(kind)}"
+            argument=name, accepted="left out of a scene of this kind", hint=about(kind)
         )
     homes = [
         home
@@ -96,14 +104,18 @@ def _refuse(verb: str, kind: type[Scene], key: str, table: bool) -> None:
     ]
     if homes:
         raise InputError(
-            f"{name} belongs to elastomdr {', '.join(homes)}, not to elastomdr {verb}."
+            argument=name,
+            accepted=f"left out of a scene of elastomdr {verb}",
+            hint=f"it belongs to elastomdr {', '.join(homes)}",
         )
     elsewhere = {
         other for kinds in KINDS.values() for one in kinds for other in keys_of(one)
     }
     if not closest(key, keys_of(kind)) and (hint := closest(key, sorted(elsewhere))):
         raise InputError(
-            f"{name} is not known.{hint} That key belongs to scenes of another kind."
+            argument=name,
+            accepted="a key of this kind of scenes",
+            hint=f"{hint.strip()} That key belongs to scenes of another kind.",
         )
 
 

@@ -37,9 +37,13 @@ _SCENES = {
 }
 
 
+class _UsageError(Exception):
+    """What argparse says of the command line."""
+
+
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
-        raise InputError(f"{message} (see {self.prog} --help)")
+        raise _UsageError(f"{message} (see {self.prog} --help)")
 
     def format_help(self) -> str:
         """The help; that of a command that computes a scene ends with the keys of the
@@ -66,7 +70,11 @@ def main(argv: Sequence[str] | None = None) -> int:
             sys.stdout.flush()
         return status
     except InputError as error:
-        return _refused(_in_words(error))
+        from .units import shown
+
+        return _refused(error.words(shown=shown))
+    except _UsageError as error:
+        return _refused(str(error))
     except KeyboardInterrupt as error:
         print(f"elastomdr: interrupted{error}", file=sys.stderr)
         return INTERRUPTED
@@ -92,34 +100,6 @@ def _function(name: str) -> Callable[[argparse.Namespace], int]:
     return getattr(importlib.import_module(f".{module}", __package__), function)
 
 
-def _in_words(error: InputError) -> str:
-    """An error in the words of scene files: values as TOML writes them, and models by
-    their names, "line" with average=true, not em.Line(average=True).
-    """
-    from .units import shown
-
-    roads: Any = sys.modules.get(f"{__package__}.verbs.roads".replace(".cli", ""))
-    if roads is None:
-        return error.words(error.subject, shown)
-
-    def written(got: Any) -> str:
-        return (
-            f'"{got.label}"'
-            if isinstance(got, tuple(roads.KINDS.values()))
-            else shown(got)
-        )
-
-    message = error.words(error.subject, written)
-    for label, kind in roads.KINDS.items():
-        message, *calls = message.split(f"{kind.__name__}(")
-        for call in calls:
-            options, _, after = call.partition(")")
-            said = f" with {options}" if message.endswith("em.") and options else ""
-            said = said.replace("=True", "=true").replace("=False", "=false")
-            message = f'{message.removesuffix("em.")}"{label}"{said}{after}'
-    return message
-
-
 def _refused(message: str) -> int:
     """Prints a message as one line of readable length, what cannot be printed as a
     question mark.
@@ -142,7 +122,8 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="elastomdr",
         description=(
-            "Rubber friction and rolling resistance from a material file: five lines, a "
+            "Rubber friction and rolling resistance from a material file: five "
+            "lines, a "
             "table and a figure per run."
         ),
         epilog="Exit status: 0 done, 2 bad input, 3 some points did not converge.",
@@ -323,7 +304,8 @@ _OTHERS: tuple[tuple[str, str, str, Callable[[_Parser], None]], ...] = (
     (
         "fit",
         "fit:run",
-        "a material file, with cards, tables and figures, from measured isotherms (DMA)",
+        "a material file, with cards, tables and figures, from measured isotherms "
+        "(DMA)",
         _add_fit,
     ),
     (

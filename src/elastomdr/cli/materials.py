@@ -152,7 +152,8 @@ def _vertical(vertical: dict[str, Any]) -> str:
 def _table(temperature: list[float], name: str, factor: list[float]) -> str:
     ends = f"{_kelvin(temperature[0])} to {_kelvin(temperature[-1])}"
     return (
-        f"table, {len(temperature)} temperatures from {ends}, {name} {factor[0]:.4g} to "
+        f"table, {len(temperature)} temperatures from {ends}, {name} {factor[0]:.4g} "
+        "to "
         f"{factor[-1]:.4g}"
     )
 

@@ -142,7 +142,10 @@ class ContactTable(Table):
                 wanted = " or ".join(f'"{name}"' for name in homes)
                 got = "no model" if model is None else f'model = "{model}"'
                 raise InputError(
-                    f"{key} belongs to model = {wanted}, got {got}.", argument=key
+                    argument=key,
+                    got=options[key],
+                    accepted=f"left out, or beside model = {wanted}",
+                    hint=f"here is {got}",
                 )
         return found | {"model": kinds[str(model)](**options)}
 
@@ -210,8 +213,11 @@ class Scene(Table):
         except InputError as error:
             for key in self.__struct_fields__:
                 table = getattr(self, key)
+                if isinstance(table, Table) and error.argument == key:
+                    error.called(f"[{key}]")
+                    break
                 if isinstance(table, Table) and error.argument in given(table):
-                    error.stands_in(f"[{key}]")
+                    error.called(f"[{key}] {error.argument}")
                     break
             raise
 
@@ -257,11 +263,17 @@ class OfBodies(Scene):
     def __post_init__(self) -> None:
         if self.other is not None and self.layer is not None:
             raise InputError(
-                "other and [layer] exclude each other: two bodies are two "
-                "half-spaces in contact."
+                argument="other",
+                got=self.other,
+                accepted="left out beside [layer]",
+                hint="two bodies are two half-spaces in contact",
             )
         if hasattr(self, "compare") and len(self.material) < 2:
-            raise InputError("material must be a list of two or more to be compared.")
+            raise InputError(
+                argument="material",
+                got=list(self.material),
+                accepted="a list of two or more to be compared",
+            )
 
     def rubbers(self, folder: Path) -> list[Any]:
         """The materials."""
@@ -279,7 +291,10 @@ class OfBodies(Scene):
         if self.other is not None:
             if several:
                 raise InputError(
-                    "material must be a single one beside other: two bodies in contact."
+                    argument="material",
+                    got=list(self.material),
+                    accepted="a single one beside other",
+                    hint="these are two bodies in contact",
                 )
             return _pair(
                 rubbers[0], load(folder, "other", self.other), self.temperature or ()
@@ -341,9 +356,9 @@ def _pair(
         return {"material": em.half_space(material, other), **given_too}
     if len(temperatures) != 1:
         raise InputError(
-            "temperature must be a single value, got "
-            f"{'several' if temperatures else 'none'}: material and other have "
-            "different shift laws."
+            argument="temperature",
+            got=list(temperatures) or None,
+            accepted="a single value where material and other have different shift laws",
         )
     (temperature,) = temperatures
     pair = em.half_space(

@@ -7,7 +7,7 @@ import contextlib
 import inspect
 import textwrap
 import types
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -28,7 +28,7 @@ from typing import (
 import msgspec
 
 from ..errors import InputError, closest
-from .units import SceneQuantity
+from .units import VALUE, SceneQuantity
 
 T = TypeVar("T")
 # what a TOML file holds, and what a function of elastomdr is called with
@@ -53,7 +53,7 @@ class Plain:
         if type(entry) in self.types and self.fits(entry):
             with contextlib.suppress(OverflowError):
                 return self.types[-1](entry)
-        raise InputError(got=entry, accepted=self.what)
+        raise InputError(argument=VALUE, got=entry, accepted=self.what)
 
 
 def whole(least: int, most: int) -> Plain:
@@ -289,22 +289,21 @@ def _several(kind: Any, entry: object, place: tuple[str | int, ...]) -> list[Any
     """The values of a key that has one or more of them."""
     origin, (inner,) = get_origin(kind), get_args(kind)
     if isinstance(entry, dict) and origin is Sweep:
-        with of_key(f"{_name(place)}:"):
+        with of_key(_name(place)):
             span = decode(Span[inner], entry)
             if 0 < span.first < span.last:
                 import numpy as np
 
                 return np.geomspace(span.first, span.last, span.points).tolist()
             raise InputError(
-                "must go from a smaller to a larger value above zero, got "
-                f"{span.first:g} to {span.last:g}."
+                argument="first",
+                got=span.first,
+                accepted=f"above zero and below last, {span.last:g}",
             )
     if not isinstance(entry, list) or origin is One:
         return [decode(inner, entry, place)]
     if not entry:
-        raise InputError(
-            f"{_name(place)} must be {accepted((kind,))}, got an empty list."
-        )
+        raise InputError(argument=_name(place), got=entry, accepted=accepted((kind,)))
     return [decode(inner, one, (*place, i)) for i, one in enumerate(entry)]
 
 
@@ -329,8 +328,10 @@ def _decoded_table(
             closest(str(key), valid).strip() or f"Valid keys are {', '.join(valid)}."
         )
         raise InputError(
-            f"{name} has a key that is not known: {key!r}. {hint}".strip(),
             argument=f"{name} {key}".strip(),
+            got=key,
+            accepted="a key that is known",
+            hint=hint,
         )
     types_of = {each.encode_name: each for each in msgspec.structs.fields(table)}
     values = {
@@ -349,9 +350,7 @@ def _missing(key: Key, place: tuple[str | int, ...]) -> InputError:
     written = name
     if key.tables:
         written = f"[[{name}]]" if key.listed else f"[{name}]"
-    return InputError(
-        f"{written} is missing: it must be {key.accepted}.", argument=name
-    )
+    return InputError(argument=written, accepted=key.accepted, hint="it is missing")
 
 
 def _refused(
@@ -368,36 +367,55 @@ def _refused(
 
 @contextlib.contextmanager
 def named(table: str) -> Iterator[None]:
-    """Puts the table before the argument of an `InputError`, unless it stands there."""
+    """Puts the table before the argument of an `InputError`, unless it has one."""
     try:
         yield
     except InputError as error:
-        error.stands_in(table)
+        if table and not error.argument.startswith("["):
+            error.called(f"{table} {error.argument}")
         raise
 
 
 @contextlib.contextmanager
-def of_key(key: str) -> Iterator[None]:
-    """Puts a file or a key, with or without a colon, before the sentence of an
-    `InputError`, unless it stands there.
+def of_file(path: Path) -> Iterator[None]:
+    """Puts the file of a scene before the sentence of an `InputError`."""
+    try:
+        yield
+    except InputError as error:
+        error.inside(path.name or str(path))
+        raise
+
+
+@contextlib.contextmanager
+def of_key(key: str, *names: str) -> Iterator[None]:
+    """Calls a value, or an argument of these names, of an `InputError` by its key; puts
+    the key before other arguments.
     """
     try:
         yield
     except InputError as error:
-        error.stands_for(key)
+        if error.argument in (VALUE, *names):
+            error.called(key)
+        else:
+            error.inside("", key)
         raise
 
 
+_PATHS = ("path", "path_or_paths", "path_or_heights", "name_or_path")
+
+
 @contextlib.contextmanager
-def path_from(key: str) -> Iterator[None]:
-    """Calls the path that an `InputError` is about by the key that holds it."""
+def path_from(key: str, options: Container[str] = ()) -> Iterator[None]:
+    """Calls the path of an `InputError` by the key that holds it; `options` are keys
+    themselves.
+    """
     try:
         yield
     except InputError as error:
-        if error.argument in ("path", "name_or_path"):
+        if error.argument in _PATHS:
             error.called(key)
-        else:
-            error.stands_for(f"{key}:")
+        elif error.argument not in options:
+            error.inside("", key)
         raise
 
 
@@ -408,9 +426,11 @@ def only_one(table: Table, *keys: str) -> str:
     present = list(given(table, *keys))
     if len(present) != 1:
         raise InputError(
-            f"must have one of {', '.join(keys)}, got "
-            f"{' and '.join(present) or 'none of them'}.",
-            argument=keys[0],
+            argument=present[-1] if present else keys[0],
+            got=getattr(table, present[-1]) if present else None,
+            accepted=f"left out where {present[0]} is given"
+            if present
+            else f"given, or {' or '.join(keys[1:])}",
         )
     return present[0]
 

@@ -114,12 +114,16 @@ class LeakScene(OfDraws):
             return found
         if self.leak.time is not None:
             raise InputError(
-                "[leak] time must be left out beside [o_ring]: it has its own."
+                argument="[leak] time",
+                got=self.leak.time,
+                accepted="left out beside [o_ring], which has its own",
             )
         if isinstance(found["material"], list):
             raise InputError(
-                "material must be a single one beside [o_ring], without uncertainty: "
-                "each rubber has a ring of its own."
+                argument="material",
+                got=list(self.material),
+                accepted="a single one beside [o_ring], without uncertainty",
+                hint="each rubber has a ring of its own",
             )
         return found | {"o_ring": _squeezed(self.o_ring, found)}
 
@@ -219,9 +223,10 @@ class StrokeScene(RingScene):
         ring = _squeezed(self.o_ring, found)
         if ring.line_load.ndim:
             raise InputError(
-                "[o_ring] must be one ring on a rod: a single squeeze, time, pressure "
-                "and temperature.",
                 argument="[o_ring] squeeze",
+                got=ring.line_load,
+                accepted="such that there is one ring on a rod",
+                hint="a single squeeze, time, pressure and temperature",
             )
         found.pop("temperature", None)  # the ring has it
         return found | {"o_ring": ring, "stroke": found.pop("length")}

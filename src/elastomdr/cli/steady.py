@@ -109,13 +109,19 @@ class OfDraws(OfBodies):
         if self.uncertainty is None:
             return materials
         if len(materials) > 1 or self.other is not None:
-            raise InputError("uncertainty belongs to a single material, without other.")
+            raise InputError(
+                argument="uncertainty",
+                got=self.uncertainty,
+                accepted="left out but for a single material, without other",
+            )
         if not isinstance(materials[0], em.Prony):
             raise InputError(
-                "uncertainty must be left out with a material that is a table of "
-                "moduli: it has no draws."
+                argument="uncertainty",
+                got=self.uncertainty,
+                accepted="left out with a material that is a table of moduli",
+                hint="it has no draws",
             )
-        with of_key("uncertainty:"):
+        with of_key("uncertainty", "count"):
             return materials[0].draws(self.uncertainty)
 
 
@@ -272,8 +278,9 @@ class HeatBuildUpTable(Table):
     def __post_init__(self) -> None:
         if (self.capacity is None) != (self.duration is None):
             raise InputError(
-                "capacity and duration belong together: give both for the "
-                "history, or neither."
+                argument="duration" if self.duration is None else "capacity",
+                got=None,
+                accepted="given, as capacity and duration belong together, or both left out",
             )
 
     def arguments(self, folder: Path) -> Arguments:
@@ -494,7 +501,7 @@ class WheelTraction(_Traction):
         ends: dict[str, float | None] = {".tir": None}
         if len(distinct) > 1:
             ends = {f"-{each - 273.15:.6g}degC.tir": each for each in distinct}
-        with of_key("no .tir file:"):
+        with of_key("no .tir file"):
             for temperature in ends.values():
                 result.magic_formula(temperature=temperature)
         return {

@@ -16,7 +16,7 @@ from ..errors import InputError
 from . import DONE, NOT_CONVERGED
 from .compute import warned_of_at_the_end
 from .kinds import decoded, read_content
-from .schema import Content, Table, decode, of_key
+from .schema import Content, Table, decode, of_file
 
 _TABLE_ROWS = 1_000_000
 # slowest first
@@ -100,8 +100,12 @@ def run(options: argparse.Namespace) -> int:
     """Computes what is missing in the store; returns the exit status."""
     path = Path(options.scene)
     if options.table and Path(options.table).suffix not in (".csv", ".xlsx"):
-        raise InputError(f"--table must end with .csv or .xlsx, got {options.table!r}.")
-    with warned_of_at_the_end(), of_key(f"{path.name or path}:"):
+        raise InputError(
+            argument="--table",
+            got=options.table,
+            accepted="the name of a file that ends in .csv or .xlsx",
+        )
+    with warned_of_at_the_end(), of_file(path):
         content = read_content(path)
         call, axes = assembled(content, path.parent)
     with warned_of_at_the_end(), _client(options.scheduler) as client:
@@ -136,8 +140,9 @@ def assembled(content: Content, folder: Path) -> tuple[Varied, Content]:
     for key, values in asked.vary.items():
         if not values:
             raise InputError(
-                f"[sweep.vary] {key} must be a list of one value or more, got an "
-                "empty list."
+                argument=f"[sweep.vary] {key}",
+                got=values,
+                accepted="a list of one value or more",
             )
     varied = {key: tuple(map(_hashable, v)) for key, v in asked.vary.items()}
     materials = scene.get("material")
@@ -149,8 +154,10 @@ def assembled(content: Content, folder: Path) -> tuple[Varied, Content]:
         others, here = _arguments(asked.call, scene, chosen, folder)
         if arguments and _as_lists(here) != _as_lists(arrays):
             raise InputError(
-                "[sweep.vary] must hold keys with one value each: lists of numbers "
-                "stand in the scene."
+                argument="[sweep.vary]",
+                got=list(varied),
+                accepted="of keys with one value each",
+                hint="lists of numbers stand in the scene",
             )
         arguments.append(others)
         arrays = here
@@ -164,8 +171,10 @@ def assembled(content: Content, folder: Path) -> tuple[Varied, Content]:
     axes = {key: list(values) for key, values in varied.items()} | drawn | arrays
     if not axes:
         raise InputError(
-            "[sweep] is missing, and nothing in the scene is a list: there is "
-            "nothing to sweep over."
+            argument="[sweep]",
+            got=None,
+            accepted="given where nothing in the scene is a list",
+            hint="there is nothing to sweep over",
         )
     names, values = tuple(varied), tuple(varied.values())
     return Varied(asked.call, names, values, tuple(arguments)), axes
@@ -205,7 +214,9 @@ def _put(scene: Content, key: str, value: Any) -> None:
         place = place.get(table) if isinstance(place, dict) else None
     if not isinstance(place, dict):
         raise InputError(
-            f"[sweep.vary] has a key in a table that the scene does not have: {key!r}."
+            argument=f"[sweep.vary] {key}",
+            got=key,
+            accepted="a key in a table that the scene has",
         )
     place[last] = value
 
@@ -230,12 +241,17 @@ def _client(address: str | None) -> Any:
         return Client(address, timeout="10s")
     except (OSError, ValueError) as error:
         raise InputError(
-            "--scheduler must be the address of a running Dask scheduler, got "
-            f"{address!r}: {error}"
+            argument="--scheduler",
+            got=address,
+            accepted="the address of a running Dask scheduler",
+            hint=str(error),
         ) from error
     except ImportError as error:
         raise InputError(
-            "--scheduler needs distributed: pip install elastomdr[sweep]"
+            argument="--scheduler",
+            got=address,
+            accepted="left out where distributed is not installed",
+            hint="pip install elastomdr[sweep]",
         ) from error
 
 
@@ -251,8 +267,10 @@ def _write_table(dataset: Any, path: Path, header: list[str]) -> None:
     points = dataset.drop_vars("state")
     if path.suffix == ".xlsx" and points.converged.size > _TABLE_ROWS:
         raise InputError(
-            f"--table: a sheet of Excel has {_TABLE_ROWS} rows, got "
-            f"{points.converged.size}: use .csv."
+            argument="--table",
+            got=path.name,
+            accepted=f"a .csv for more than the {_TABLE_ROWS} rows of a sheet of Excel",
+            hint=f"there are {points.converged.size}",
         )
     frame = points.to_dataframe().reset_index()
     about = {name: points[name].attrs for name in frame.columns}

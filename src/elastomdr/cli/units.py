@@ -2,14 +2,16 @@
 file's schema; SI numbers inside.
 """
 
+import dataclasses
 import math
 import re
 from collections.abc import Mapping
 from decimal import Decimal
 from typing import Any, ClassVar, Self
 
-from ..errors import InputError, closest
+from ..errors import InputError, closest, written
 
+_MOST_SHOWN = 6  # entries of a list
 _LARGEST = 1e100  # in SI units: products of such numbers stay within float64
 _NUMBER = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL
@@ -87,6 +89,9 @@ _DEGREES = {
 }
 
 
+VALUE = "value"  # of an `InputError` about what a key holds, which `of_key` names
+
+
 class SceneQuantity(float):
     """A number in SI units, read from a text with its unit."""
 
@@ -114,6 +119,7 @@ class SceneQuantity(float):
         if isinstance(entry, str) and (comma := _COMMA.fullmatch(entry)) is not None:
             meant = f"{comma[1].replace('.', '')}.{comma[2]} {comma[3]}"
             raise InputError(
+                argument=VALUE,
                 got=entry,
                 accepted="a number with a decimal point, not a comma",
                 hint=f'write "{meant}"',
@@ -126,19 +132,22 @@ class SceneQuantity(float):
         if not unit:
             meant = f'Did you mean "{number} {cls.example.partition(" ")[2]}"?'
             raise InputError(
-                got=entry, accepted=cls.accepted(), hint=meant if number else ""
+                argument=VALUE,
+                got=entry,
+                accepted=cls.accepted(),
+                hint=meant if number else "",
             )
         if cls.unit == "K" and (degrees := _DEGREES.get(unit.lower())) is not None:
             hint = f'write "{number} {degrees}"'
-            raise InputError(got=entry, accepted=cls.what, hint=hint)
+            raise InputError(argument=VALUE, got=entry, accepted=cls.what, hint=hint)
         value = cls.convert(number, unit)
         refused = {"": False, "zero or positive": value < 0}.get(cls.sign, value <= 0)
         if not math.isfinite(value) or refused:
             sign = cls.sign or "of either sign"
-            raise InputError(got=entry, accepted=f"{sign} and finite")
+            raise InputError(argument=VALUE, got=entry, accepted=f"{sign} and finite")
         if value and not 1 / _LARGEST < abs(value) < _LARGEST:
             limits = f"between {1 / _LARGEST:g} and {_LARGEST:g} {cls.unit}"
-            raise InputError(got=entry, accepted=limits)
+            raise InputError(argument=VALUE, got=entry, accepted=limits)
         return cls(value)
 
     @classmethod
@@ -330,12 +339,25 @@ class MolarEnergy(
 
 
 def shown(value: object) -> str:
-    """A value as TOML writes it."""
+    """A value as TOML writes it; a model by its name, with the options it has."""
     if isinstance(value, str):
         return f'"{value}"'
-    if isinstance(value, bool):
-        return str(value).lower()
-    return f"{value:g}" if isinstance(value, float) else repr(value)
+    if isinstance(value, bool) or value is None:
+        return "nothing" if value is None else str(value).lower()
+    if isinstance(value, list | tuple) and len(value) <= _MOST_SHOWN:
+        return f"[{', '.join(map(shown, value))}]"
+    if isinstance(value, int | float):
+        return written(value)
+    from ..models import Model
+
+    if not isinstance(value, Model) or not dataclasses.is_dataclass(value):
+        return written(value)
+    options = ", ".join(
+        f"{field.name} = {shown(getattr(value, field.name))}"
+        for field in dataclasses.fields(value)
+        if getattr(value, field.name) != field.default
+    )
+    return f'"{value.label}"' + (f" with {options}" if options else "")
 
 
 def _by_pint(number: float, unit: str, kind: type[SceneQuantity]) -> float:
@@ -349,18 +371,22 @@ def _by_pint(number: float, unit: str, kind: type[SceneQuantity]) -> float:
         parsed = units.parse_units(unit)
     # pint lets its tokenizer's errors through, of many types
     except Exception as error:
-        known = f" Usual units are {', '.join(usual)}." if usual else ""
+        known = f"usual units are {', '.join(usual)}" if usual else ""
         raise InputError(
-            f'has a unit that is not known, "{unit}"; write it as in '
-            f'"{kind.example}".{closest(unit, usual) or known}'
+            argument=VALUE,
+            got=f"{number} {unit}",
+            accepted=f'with a unit that is known, as in "{kind.example}"',
+            hint=closest(unit, usual).strip() or known,
         ) from error
     wanted = units.parse_units(kind.unit)
     if not _alike(parsed.dimensionality, wanted.dimensionality) or str(
         parsed
     ).startswith("delta_"):
         raise InputError(
-            f'must be {kind.what}, such as "{kind.example}", got the unit "{unit}" '
-            f"({parsed})."
+            argument=VALUE,
+            got=f"{number} {unit}",
+            accepted=f'{kind.what}, such as "{kind.example}"',
+            hint=f"its unit is {parsed}",
         )
     try:
         return float(units.Quantity(number, parsed).to(wanted).magnitude)

@@ -574,7 +574,8 @@ def _judge(
         yield "The search did not converge."
     if missing := int((~solution.used).sum()):
         yield (
-            f"{missing} of {solution.used.size} points have no computed answer and count "
+            f"{missing} of {solution.used.size} points have no computed answer and "
+            "count "
             "for nothing."
         )
     for name, after, before in zip(names, std, prior, strict=True):

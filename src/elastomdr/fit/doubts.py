@@ -77,10 +77,12 @@ def of_shifts(judged: JudgedShifts) -> Iterator[str]:
     if judged.ambiguous.any():
         yield (
             "Horizontal and vertical shift cannot be separated at "
-            f"{describe_list(celsius[judged.ambiguous], 'degC')}: the isotherms are too "
+            f"{describe_list(celsius[judged.ambiguous], 'degC')}: the isotherms are "
+            "too "
             "flat or too much alike there. Their log10 a_T rests on the prior for the "
             "vertical shift; see the intervals, and compare "
-            f"{advise('vertical=False', {'no_vertical': ''})}."
+            + advise("vertical=False", {"no_vertical": ""})
+            + "."
         )
     if joint.law is None:
         yield from _of_free_shifts(judged)
@@ -89,7 +91,8 @@ def of_shifts(judged: JudgedShifts) -> Iterator[str]:
     yield from _reference_outside(judged)
     if celsius.size == 2:
         yield (
-            "There are two temperatures only: Arrhenius' law can be fitted, WLF and VFT "
+            "There are two temperatures only: Arrhenius' law can be fitted, WLF and "
+            "VFT "
             "cannot."
         )
     if copies := judged.dma.copies:
@@ -109,7 +112,8 @@ def of_shifts(judged: JudgedShifts) -> Iterator[str]:
 def _contradictions(judged: JudgedShifts) -> Iterator[str]:
     if ratio := relaxation_excess(judged.joint):
         yield (
-            "Relaxation and dynamic moduli contradict each other: the relaxation modulus "
+            "Relaxation and dynamic moduli contradict each other: the relaxation "
+            "modulus "
             f"is {ratio:.2g} times what storage and loss modulus make of it (median "
             "where both were measured). Check unit, kind and sample of both "
             "measurements; what is fitted to both is a compromise between them."
@@ -140,7 +144,8 @@ def _repeats_differ(judged: JudgedShifts) -> Iterator[str]:
             f"Points are repeated at {describe_list(sorted(largest), 'degC')}, and "
             f"differ from those before by up to {100 * max(largest.values()):.2g} % on "
             "average: another sample, strain or pass? All are taken for one material, "
-            "whose shifts and moduli are a compromise; leave out what does not belong to "
+            "whose shifts and moduli are a compromise; leave out what does not "
+            "belong to "
             "it."
         )
 
@@ -176,7 +181,8 @@ def _of_free_shifts(judged: JudgedShifts) -> Iterator[str]:
     moved = np.abs(choice - np.interp(judged.reference - 273.15, celsius, choice))
     if moved.max() > _MOVED:
         yield (
-            "These data leave open whether there are vertical shifts, which moves log10 "
+            "These data leave open whether there are vertical shifts, which moves "
+            "log10 "
             f"a_T by about {moved.max():.2g} decades (at {celsius[moved.argmax()]:.4g} "
             "degC); the intervals contain that."
         )
@@ -206,7 +212,8 @@ def _reference_outside(judged: JudgedShifts) -> Iterator[str]:
     advice = "; give a reference within the data" if half > _USELESS else ""
     yield (
         f"The reference temperature, {reference:.4g} degC, lies outside the data "
-        f"({low:.4g} to {high:.4g} degC): it is reached by extrapolating the shift law, "
+        f"({low:.4g} to {high:.4g} degC): it is reached by extrapolating the shift "
+        "law, "
         f"which knows that step to +- {half:.2g} decades (95 %). Every log10 a_T and "
         f"the band contain that{advice}."
     )
@@ -292,7 +299,8 @@ def of_series(judged: JudgedSeries) -> Iterator[str]:
         (low, high), omega = judged.limits, judged.omega
         if omega.min() < (1 - _GAP) * low or omega.max() > (1 + _GAP) * high:
             yield (
-                "The data leave a gap in which the loss modulus is not known to 6 %: the "
+                "The data leave a gap in which the loss modulus is not known to 6 %: "
+                "the "
                 "range of the material is the widest part beside it, "
                 f"{low:.3g} to {high:.3g} rad/s of {omega.min():.3g} to "
                 f"{omega.max():.3g}. Measure between them, or closer isotherms."

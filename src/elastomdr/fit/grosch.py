@@ -412,7 +412,8 @@ def _judge(
         yield "The fit did not converge: look at the figure before using it."
     if flat:
         yield (
-            "The friction is too flat against its scatter to see any shift: log10 a_T is "
+            "The friction is too flat against its scatter to see any shift: log10 "
+            "a_T is "
             "what is usual of rubber."
         )
         return
@@ -421,7 +422,8 @@ def _judge(
     std = np.sqrt(np.maximum(variance, 0.0))
     for i in np.flatnonzero(std > _UNCERTAIN * np.abs(np.diff(log10_a))):
         yield (
-            f"The shift between {celsius[i]:.4g} and {celsius[i + 1]:.4g} degC is known "
+            f"The shift between {celsius[i]:.4g} and {celsius[i + 1]:.4g} degC is "
+            "known "
             f"to +- {TWO_SIGMA * std[i]:.2g} decades only: the friction hardly changes "
             "there, or the curves do not overlap."
         )

@@ -162,11 +162,15 @@ def isotherms(
         rates = rates * a / a.min()
     if rates.max() < 1.5 * rates.min():
         raise InputError(
-            f"dma must span a range of frequencies (or times), got {rates.min():.4g} "
-            f"to {rates.max():.4g} rad/s only: "
-            "a sweep of temperature at one frequency needs a shift law, as "
-            f"{advise('shift=em.WLF(8.86, 101.6, 293.15)', {'shift': _TYPICAL})}, "
-            f"a file of factors, or {advise('universal', {'shift': 'universal'})}."
+            argument="dma",
+            got=dma.source,
+            accepted="measured over a range of frequencies (or times)",
+            hint=f"it spans {rates.min():.4g} to {rates.max():.4g} rad/s only; a "
+            "sweep of "
+            "temperature at one frequency needs a shift law, as "
+            + advise("shift=em.WLF(8.86, 101.6, 293.15)", {"shift": _TYPICAL})
+            + ", a file of factors, or "
+            + advise("universal", {"shift": "universal"}),
         )
     number, mean = group(temperatures, tolerance)
     n = dma.omega.size
@@ -197,12 +201,17 @@ def _check_points(dma: Dma) -> None:
     if not dma.has_temperatures:
         rates = np.concatenate([dma.omega, 1 / dma.time])
         raise InputError(
-            f"temperature is not in the data: {untold(rates[~np.isfinite(temperatures)])}"
+            argument="temperature",
+            got=None,
+            accepted="given, since it is not in the data",
+            hint=untold(rates[~np.isfinite(temperatures)]),
         )
     if temperatures.max() > _HOTTEST:
         raise InputError(
-            f"temperature must be at most {_HOTTEST:g} K, got {temperatures.max():.4g} "
-            "K: check its column and unit."
+            argument="temperature",
+            got=float(temperatures.max()),
+            accepted=f"{_HOTTEST:g} K or less",
+            hint="check its column and unit",
         )
     if dma.omega.size and in_strain_sweep(dma).all():
         raise InputError(
@@ -365,10 +374,14 @@ def refuse_exchanged(dma: Dma, law: AbstractShift | None = None) -> None:
             {"column": [f"storage={new}", f"loss={old}"]},
         )
         raise InputError(
-            f"storage and loss modulus of {dma.source!r} look exchanged: no passive "
-            "material has them as they are named, but one does with the two "
-            f"exchanged{columns_read}. Exchange them: "
-            f"{way}{explanation}."
+            argument="dma",
+            got=dma.source,
+            accepted="moduli as they are named",
+            hint="storage and loss modulus look exchanged: no passive material has "
+            "them as "
+            f"they are named, but one does with the two exchanged{columns_read}; "
+            "exchange "
+            "them: " + way + explanation,
         )
 
 

@@ -613,10 +613,12 @@ def _glass_temperature(dma: Dma) -> float:
     best = int(misfits.argmin())
     if not misfits[best] < _MISFIT or best in (0, tried.size - 1):
         raise InputError(
-            "shift must be a law with its reference temperature for these data, whose "
-            "storage and loss modulus suit the universal law with no T_g: "
-            f"{advise('em.WLF(17.44, 51.6, T_g)', {'shift': 'WLF(17.44, 51.6, -50degC)'})} "
-            "with T_g of the material, got 'universal'."
+            argument="shift",
+            got="universal",
+            accepted="a law with its reference temperature for these data",
+            hint="storage and loss modulus suit the universal law with no T_g: give "
+            + advise("em.WLF(17.44, 51.6, T_g)", {"shift": "WLF(17.44, 51.6, -50degC)"})
+            + " with T_g of the material",
         )
     near = slice(best - 1, best + 2)
     curve = np.polyfit(tried[near] - tried[best], misfits[near], 2)

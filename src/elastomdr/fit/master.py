@@ -591,7 +591,8 @@ class MasterCurve(AbstractFindings):
             yield (
                 "temperatures",
                 (
-                    f"known to +- {TWO_SIGMA * self.state.temperature_error:.2g} K (95 %), "
+                    f"known to +- {TWO_SIGMA * self.state.temperature_error:.2g} K "
+                    "(95 %), "
                     "which all intervals contain"
                 ),
             )

@@ -448,7 +448,8 @@ def _judge(data: _Data, p: np.ndarray, spread: np.ndarray) -> Iterator[str]:
         where = "" if np.isnan(celsius) else f" at {celsius:.3g} degC"
         where += "" if np.isnan(hertz) else f" and {hertz:.3g} Hz"
         yield (
-            f"The sweep{where} does not follow the factors of the others: they depend on "
+            f"The sweep{where} does not follow the factors of the others: they depend "
+            "on "
             "it."
         )
 

@@ -683,14 +683,15 @@ def _misses(fit: MaterialFit) -> Iterator[str]:
         remedy = (
             (
                 f" {fit.law} misses the shift factors by {law.rms:.2g} decades rms; "
-                f"{advise('law table', {'law': 'table'})} keeps them."
+                + advise("law table", {"law": "table"})
+                + " keeps them."
             )
             if law
             else ""
         )
         yield (
             f"Material and shift law miss the data as measured: {_met(fit)} % rms "
-            f"({_names(fit)}), while the series meets the shifted data.{remedy}"
+            f"({_names(fit)}), while the series meets the shifted data." + remedy
         )
 
 
@@ -772,7 +773,8 @@ def from_hardness(
         )
     if not float(np.asarray(other.equilibrium)) > 0:
         raise InputError(
-            "like must be a rubber, with an equilibrium modulus, since hardness is read "
+            "like must be a rubber, with an equilibrium modulus, since hardness is "
+            "read "
             f"on what stays after seconds; got {other.name or 'a liquid'}."
         )
     known = other.range if other.range is not None else Range(None, None)

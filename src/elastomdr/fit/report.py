@@ -199,7 +199,8 @@ def _check_outside(
     inside = (rate >= window[0] * (1 - 1e-9)) & (rate <= window[1] * (1 + 1e-9))
     if not inside.all():
         warn(
-            f"{int((~inside).sum())} of {inside.size} {quantity} are extrapolated: they "
+            f"{int((~inside).sum())} of {inside.size} {quantity} are extrapolated: "
+            "they "
             f"lie outside the measured {window[0]:.3g} to {window[1]:.3g} rad/s.",
             FitWarning,
         )

@@ -269,7 +269,8 @@ def _grid(points: MeasuredPoints) -> np.ndarray:
 _INCOMPRESSIBLE = (
     "Poisson's ratio is assumed to be 0.5; tensile moduli become those of shear and "
     "of contact with it, so give it where it is known, as "
-    f"{advise('poisson=0.4', {'poisson': '0.4'})}."
+    + advise("poisson=0.4", {"poisson": "0.4"})
+    + "."
 )
 
 

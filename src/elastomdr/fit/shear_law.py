@@ -382,7 +382,8 @@ def _at_points(curve: FrictionCurve, data: _MeasuredFriction) -> _Computed:
             else "temperatures that the curve was not computed for"
         )
         raise InputError(
-            f"curve must be computed at the measured points, which have {lacking}: give "
+            f"curve must be computed at the measured points, which have {lacking}: "
+            "give "
             "em.friction the velocity, "
             "temperature and pressure of the measurement."
         )
@@ -699,8 +700,10 @@ def _judge(
     if names:
         yield (
             f"{' and '.join(names)} cannot be determined: over "
-            f"{float(np.ptp(points.log_v[used])):.2g} decades of velocity the data show "
-            "no maximum of the stress. Measure at lower or higher velocities, or at more "
+            f"{float(np.ptp(points.log_v[used])):.2g} decades of velocity the data "
+            "show "
+            "no maximum of the stress. Measure at lower or higher velocities, or at "
+            "more "
             "temperatures."
         )
     if estimate.interval["width"][0] == 0.0:
@@ -710,7 +713,8 @@ def _judge(
         )
     if ends["width"][1]:
         yield (
-            "width is not bounded above: the stress falls off within the distance of two "
+            "width is not bounded above: the stress falls off within the distance of "
+            "two "
             "velocities."
         )
     if points.cutoff is not None and any(ends["q_high"]):
@@ -726,7 +730,8 @@ def _judge(
         )
     if misfit > _MISFIT:
         yield (
-            f"Residuals are {misfit:.2g} times the error given: hysteresis and this law "
+            f"Residuals are {misfit:.2g} times the error given: hysteresis and this "
+            "law "
             "do not describe the data."
         )
     if fit.temperature is None or points.warm is None:

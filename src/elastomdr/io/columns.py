@@ -228,8 +228,10 @@ def understand_table(
 def check_columns(columns: Mapping[str, str | int] | None) -> None:
     if columns is not None and not isinstance(columns, Mapping):
         raise InputError(
-            "columns must be a dict from quantities to titles, such as {'temperature': "
-            f"'Title 2'}}, got {columns!r}."
+            argument="columns",
+            got=columns,
+            accepted="a dict from quantities to titles, such as "
+            "{'temperature': 'Title 2'}",
         )
 
 
@@ -251,13 +253,16 @@ def named_columns(
     for role, wanted in (columns or {}).items():
         if role not in roles:
             raise InputError(
-                f"columns must name {', '.join(roles)}, got "
-                f"{role!r}.{closest(str(role), list(roles))}"
+                argument="columns",
+                got=role,
+                accepted=f"by {', '.join(roles)}",
+                hint=closest(str(role), list(roles)),
             )
         if isinstance(wanted, bool) or not isinstance(wanted, (int, str)):
             raise InputError(
-                f"columns must hold titles or numbers of columns, got {wanted!r} "
-                f"for {role}."
+                argument="columns",
+                got=wanted,
+                accepted=f"titles or numbers of columns, as {role}",
             )
         title = str(wanted).strip()
         place, unit, log = _place(title, table.heads)
@@ -288,9 +293,10 @@ def _named_column(
         column = _column_without_role(head, quantity)
     elif "relaxation" in (role, column.role) and role != column.role and not unit:
         raise InputError(
-            f"{table.name}: column {head.words}, named for {role}, is a "
-            f"{column.role} modulus by its title: moduli over frequency and relaxation "
-            "over time are not the same."
+            argument="columns",
+            got=head.title,
+            accepted=f"such that {role} is no {column.role} modulus by its title",
+            hint="moduli over frequency and relaxation over time are not the same",
         )
     if role != column.role:
         column = column._replace(quantity=quantity)
@@ -298,7 +304,9 @@ def _named_column(
         return column
     if not to_si(unit, kind):
         raise InputError(
-            f"columns: {unit!r} for {role} is no unit of {kind}: {usual(kind)}."
+            argument="columns",
+            got=unit,
+            accepted=f"with a unit of {kind} for {role}, {usual(kind)}",
         )
     return column._replace(unit=unit, known=True, users=True)
 
@@ -356,10 +364,13 @@ def choose(columns: Sequence[Column], table: TitledTable) -> dict[str, Column]:
                 "each, as '-20 degC'; of two samples "
             ) * (first.title == column.title)
             raise InputError(
-                f"{table.name}: columns {first.words} and "
-                f"{column.words} both hold {column.role} and "
-                f"differ; {isotherms}name one, as {naming({column.role: 'N'})}, N "
-                f"being {first.place + 1} or {column.place + 1}."
+                argument="path",
+                got=table.name,
+                accepted=f"a table with one column of {column.role}",
+                hint=f"{first.words} and {column.words} differ; {isotherms}name one, "
+                "as "
+                + naming({column.role: "N"})
+                + f", N being {first.place + 1} or {column.place + 1}",
             )
     return {role: _by_the_clock(column, table) for role, column in chosen.items()}
 
@@ -376,10 +387,12 @@ def _by_the_clock(column: Column, table: TitledTable) -> Column:
     # Elapsed time begins near the step; a time of day may end a day later, near zero.
     if times[0] > _DAYTIME:
         raise InputError(
-            f"{table.name}: column {column.words} begins at "
-            f"{times[0] / 3600:.4g} h and lasts {np.ptp(times):.4g} s: a time of day? "
-            "Times must count from the step of strain or stress: write "
-            "seconds since then in its place."
+            argument="path",
+            got=table.name,
+            accepted="a table whose times count from the step of strain or stress",
+            hint=f"column {column.words} begins at {times[0] / 3600:.4g} h and lasts "
+            f"{np.ptp(times):.4g} s, a time of day: write seconds since the step "
+            "in its place",
         )
     return column._replace(unit="s", known=True)
 
@@ -466,10 +479,12 @@ def _check_limits(
             for unit in ("%-" if quantity.kind == "ratio" else ["UNIT"])
         ]
         raise InputError(
-            f"{name}: column {column.words}, read in {units[role]}, goes from "
-            f"{known.min():.4g} to {known.max():.4g} {KINDS[quantity.kind][0]}, which "
-            f"is not between {low:g} and {high:g}; give the right unit, as "
-            f"{' or '.join(ways)}, even if it is {units[role]}."
+            argument="path",
+            got=name,
+            accepted=f"a table whose column {column.words}, read in {units[role]}, is "
+            f"between {low:g} and {high:g} {KINDS[quantity.kind][0]}",
+            hint=f"it goes from {known.min():.4g} to {known.max():.4g}; give the "
+            "right unit, as " + either(ways) + f", even if it is {units[role]}",
         )
 
 
@@ -498,15 +513,17 @@ def read_columns(
     sheet = read_sheet(path)
     table = main_table(sheet)
     if table is None:
-        raise InputError(missing(sheet.name, (), "", []))
+        raise InputError(argument="path", got=sheet.name, accepted=NUMBERS)
     table = table._replace(name=sheet.name, units=units)
     refuse_wide([table])
     understood = understand_table(columns, table, quantities)
     for role, wanted in (columns or {}).items():
         if role not in understood.of_user:
             raise InputError(
-                f"columns: {sheet.name!r} has no column {wanted!r} for {role}; it "
-                f"has {listed(table.heads)}."
+                argument="columns",
+                got=wanted,
+                accepted=f"for {role} a column of {sheet.name!r}, which has "
+                f"{listed(table.heads)}",
             )
     candidates = [
         one._replace(log=log) if one.log == "log" and log else one
@@ -516,8 +533,12 @@ def read_columns(
     for role in required:
         if role not in {*chosen, *understood.constants}:
             known = Understood(list(chosen.values()), {}, {}).in_words()
-            lack = f"there is no column of {role}"
-            raise InputError(missing(sheet.name, known, lack, [table]))
+            raise InputError(
+                argument="path",
+                got=sheet.name,
+                accepted=f"a table with a column of {role}",
+                hint=missing(known, table),
+            )
     values, good, bad = measured(table, chosen)
     values |= {
         role: np.full(int(good.sum()), value)
@@ -533,8 +554,9 @@ def checked_units(given: Mapping[str, str | None]) -> dict[str, str]:
     for kind, unit in given.items():
         if unit is not None and not (isinstance(unit, str) and to_si(unit, kind)):
             raise InputError(
-                f"{kind}_unit must be a unit of {kind} such as {usual(kind)}, got "
-                f"{unit!r}."
+                argument=f"{kind}_unit",
+                got=unit,
+                accepted=f"a unit of {kind} such as {usual(kind)}",
             )
     return {kind: unit for kind, unit in given.items() if unit is not None}
 
@@ -561,10 +583,12 @@ def refuse_contradiction(
         return
     ways = [naming({one.role: str(one.place + 1)}) for one in (loss, tangent)]
     raise InputError(
-        f"{table.name}: column {tangent.words} is {factor:.3g} times "
-        f"the ratio of columns {loss.words} and "
-        f"{storage.words} (median of the rows): name the one "
-        f"that is right, as {ways[0]} or {ways[1]}."
+        argument="path",
+        got=table.name,
+        accepted=f"a table whose column {tangent.words} is the ratio of {loss.words} "
+        f"and {storage.words}",
+        hint=f"it is {factor:.3g} times that (median of the rows); name the one that "
+        "is right, as " + ways[0] + " or " + ways[1],
     )
 
 
@@ -573,9 +597,11 @@ def refuse_wide(tables: Sequence[TitledTable]) -> None:
     for table in tables:
         if len(table.heads) > MOST_COLUMNS:
             raise InputError(
-                f"{table.name}: a table must have {MOST_COLUMNS:,} columns at most, got "
-                f"{len(table.heads):,}: leave out what is not needed, or exchange rows "
-                "and columns."
+                argument="path",
+                got=table.name,
+                accepted=f"a table of {MOST_COLUMNS:,} columns at most",
+                hint=f"it has {len(table.heads):,}: leave out what is not needed, or "
+                "exchange rows and columns",
             )
 
 
@@ -588,26 +614,34 @@ def unit_of(table: TitledTable, column: Column) -> str:
     ways = naming({column.role: f"{place} [UNIT]"})
     if column.log == "log":
         raise InputError(
-            f"{name}: {column.title!r} is a logarithm without a base; name it, as "
-            f"{naming({column.role: f'log10({place}) [UNIT]'})}, or "
-            "with ln in place of log10."
+            argument="path",
+            got=name,
+            accepted="a table whose logarithms say their base",
+            hint=f"{column.title!r} does not; name it, as "
+            + naming({column.role: f"log10({place}) [UNIT]"})
+            + ", or with ln in place of log10",
         )
     if not column.known:
         # such as 1/MPa of a compliance
         other = is_unit(column.unit) and "frequency" not in quantity.kind
         raise InputError(
-            f"{name}: the unit of column {column.words} is "
-            f"{column.unit!r}, which is none of {quantity.kind} "
-            f"({usual(quantity.kind)} ...), as {column.role} needs"
-            + ("." if other else f"; if it is meant as one, give it as {ways}.")
+            argument="path",
+            got=name,
+            accepted=f"a table whose column {column.words} has a unit of "
+            f"{quantity.kind} ({usual(quantity.kind)} ...), as {column.role} "
+            "needs",
+            hint=f"it is {column.unit!r}"
+            + ("" if other else "; if it is meant as one, give it as " + ways),
         )
     unit = column.unit_by(table.units)
     if not unit:
         option = quantity.option
-        option = f"{advise(option, {option: ''})} or " if option else ""
+        option = advise(option, {option: ""}) + " or " if option else ""
         raise InputError(
-            f"{name}: column {column.words} has no unit; give "
-            f"it, as {option}{ways}, one of {usual(quantity.kind)} ..."
+            argument="path",
+            got=name,
+            accepted=f"a table whose column {column.words} has a unit",
+            hint="give it, as " + option + ways + f", one of {usual(quantity.kind)}",
         )
     return unit
 
@@ -735,23 +769,28 @@ def _letter(quantity: ColumnKind, name: str) -> str:
     return match[1].upper() if match else ""
 
 
-def missing(
-    name: str, recognised: Sequence[str], needed: str, tables: Sequence[TitledTable]
-) -> str:
-    """What is missing in a file, in words, and how to name it."""
-    table = max(tables, key=lambda one: len(one.rows), default=None)
-    if table is None:
-        return f"{name}: there is no row of numbers in the file."
+NUMBERS = "a table with rows of numbers"
+
+
+def missing(recognised: Sequence[str], table: TitledTable) -> str:
+    """What was found in a table, in words, and how to name what was not."""
+    blanks = ""
     if table.width and not any(head.title for head in table.heads):
-        needed += (
-            f" (no line above the numbers can be cut at blanks into {table.width} "
-            "titles: separate them by commas)"
+        blanks = (
+            f"no line above the numbers can be cut at blanks into {table.width} "
+            "titles: separate them by commas; "
         )
-    way = advise("columns={'ROLE': N}", {"column": "ROLE=N"})
+    known = ", ".join(recognised) or "none"
     return (
-        f"{name}: {needed}; recognised "
-        f"{'is ' + ', '.join(recognised) if recognised else 'is none'} of the columns "
-        f"{listed(table.heads)}. Name the others by title or number, as "
-        f"{way}, with 'N [UNIT]' where the title has no unit; a number for all rows is "
-        "given as '10 Hz'."
+        f"{blanks}recognised is {known} of the columns {listed(table.heads)}; name the "
+        "others by title or number, as "
+        + advise("columns={'ROLE': N}", {"column": "ROLE=N"})
+        + ", with 'N [UNIT]' where the title has no unit; a number for all rows is "
+        "given as '10 Hz'"
     )
+
+
+def either(ways: Sequence[str]) -> str:
+    """Ways to give something, for a hint."""
+    first, *others = ways
+    return functools.reduce(lambda said, way: said + " or " + way, others, first)

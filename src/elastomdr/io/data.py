@@ -184,8 +184,9 @@ class Dma:
         if not near.any():
             measured = strains(self.strain) or "not known"
             raise InputError(
-                f"strain must be one of those measured ({measured}), got "
-                f"{100 * strain:.3g} %."
+                argument="strain",
+                got=strain,
+                accepted=f"one of those measured ({measured})",
             )
         return self.where(near)
 
@@ -264,16 +265,20 @@ def join(*parts: Dma) -> Dma:
     """
     if not parts or not all(isinstance(measurement, Dma) for measurement in parts):
         raise InputError(
-            f"parts must be Dma, as read_dma returns them, got {parts!r:.80}."
+            argument="parts", got=parts, accepted="Dma, as read_dma returns them"
         )
     if len({measurement.kind for measurement in parts}) > 1:
         raise InputError(
-            "parts must be of one kind, got both shear and tensile moduli: convert "
-            "one of them first."
+            argument="parts",
+            got=[one.kind for one in parts],
+            accepted="of one kind, shear or tensile",
+            hint="convert one of them first",
         )
     if len({measurement.shifted for measurement in parts}) > 1:
         raise InputError(
-            "parts must be all raw or all shifted, got isotherms and a master curve."
+            argument="parts",
+            got=[one.shifted for one in parts],
+            accepted="all raw or all shifted, no isotherms with a master curve",
         )
 
     timed = [measurement for measurement in parts if measurement.time.size] or [
@@ -284,9 +289,10 @@ def join(*parts: Dma) -> Dma:
             dict.fromkeys(measurement.described for measurement in timed)
         )
         raise InputError(
-            f"parts must be of one response over time, got {words}: fit them one "
-            "by "
-            "one."
+            argument="parts",
+            got=words,
+            accepted="of one response over time",
+            hint="fit them one by one",
         )
 
     def chain(name: str) -> np.ndarray:
@@ -349,14 +355,15 @@ def _kind(kind: Kind) -> Kind:
 def _positive(name: str, values: ArrayLike) -> np.ndarray:
     array = np.atleast_1d(as_float64(name, values))
     if array.ndim != 1 or array.size == 0:
-        raise InputError(
-            f"{name} must be a list of numbers, got an array of shape {array.shape}."
-        )
+        raise InputError(argument=name, got=array, accepted="a list of numbers")
     good = np.isfinite(array) & (array > 0)
     if not good.all():
         i = int(np.argmin(good))
         raise InputError(
-            f"{name} must be positive and finite, got {array[i]:g} (entry {i})."
+            argument=name,
+            got=float(array[i]),
+            accepted="positive and finite",
+            hint=f"it is entry {i}",
         )
     return array
 
@@ -364,8 +371,10 @@ def _positive(name: str, values: ArrayLike) -> np.ndarray:
 def _same(name: str, values: np.ndarray, other: str, others: np.ndarray) -> None:
     if values.shape != others.shape:
         raise InputError(
-            f"{name} must have as many entries as {other}, {others.size}, got "
-            f"{values.size}."
+            argument=name,
+            got=values,
+            accepted=f"a list of as many entries as {other}, {others.size}",
+            hint=f"it has {values.size}",
         )
 
 
@@ -468,7 +477,8 @@ def of_one_strain(dma: Dma) -> tuple[Dma, tuple[str, ...]]:
             "Sweeps at several strain amplitudes are not one sample: that at "
             f"{strains(rest.strain[levels[0]])} is used, that at "
             f"{' and '.join(others)} left out; "
-            f"{advise('dma.at_strain(...)', {'strain': ''})} chooses another."
+            + advise("dma.at_strain(...)", {"strain": ""})
+            + " chooses another."
         )
         rest = rest.where(levels[0])
     return rest, tuple(remarks)
@@ -524,7 +534,9 @@ def lists(names: Sequence[str], values: Sequence[ArrayLike | None]) -> list[np.n
         return [np.zeros(0)] * len(names)
     if missing:
         raise InputError(
-            f"{' and '.join(missing)} is missing: {', '.join(names)} go together."
+            argument=missing[0],
+            got=None,
+            accepted=f"given: {', '.join(names)} go together",
         )
     arrays = [
         np.atleast_1d(as_float64(name, value))
@@ -533,8 +545,9 @@ def lists(names: Sequence[str], values: Sequence[ArrayLike | None]) -> list[np.n
     for name, array in zip(names, arrays, strict=True):
         if array.ndim != 1 or array.shape != arrays[0].shape:
             raise InputError(
-                f"{name} must be a list with as many entries as {names[0]}, got "
-                f"shapes {array.shape}, {arrays[0].shape}."
+                argument=name,
+                got=array,
+                accepted=f"a list with as many entries as {names[0]}",
             )
         positive(name, array)
     return arrays
@@ -551,7 +564,7 @@ def untold(rates: np.ndarray) -> str:
             "block."
         )
     way = advise("temperature=293.15", {"temperature": "20degC"})
-    return f"give temperature, such as {way}."
+    return "give temperature, such as " + way + "."
 
 
 @dataclass(frozen=True, eq=False, repr=False)

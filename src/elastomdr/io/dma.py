@@ -11,13 +11,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..checks import in_si, one_of, plain, positive
-from ..errors import InputError, advise, warn
+from ..errors import InputError, advise, typed_as, warn
 from .columns import (
+    NUMBERS,
     Column,
     Understood,
     check_columns,
     checked_units,
     choose,
+    either,
     left_out,
     measured,
     missing,
@@ -44,13 +46,12 @@ if TYPE_CHECKING:
     Source = str | os.PathLike[str] | Frame
 
 _APART = 0.5  # [K], within which two temperatures are one
-_ALONE = (
-    f"if it was not measured, give {advise('storage_only=True', {'storage_only': ''})}"
+_A_MEASUREMENT = "a table of frequency with moduli, or of time with stress and strain"
+_ALONE = "if it was not measured, give " + advise(
+    "storage_only=True", {"storage_only": ""}
 )
-
-
-_OF_KIND = " or ".join(
-    advise(f"kind={kind!r}", {"kind": kind}) for kind in ("shear", "tensile")
+_OF_KIND = either(
+    [advise(f"kind={kind!r}", {"kind": kind}) for kind in ("shear", "tensile")]
 )
 
 
@@ -66,6 +67,7 @@ class Specimen(NamedTuple):
 
 
 @in_si
+@typed_as("path", "path_or_paths")
 def read_dma(
     path_or_paths: Source | Sequence[Source],
     *,
@@ -145,8 +147,9 @@ def read_dma(
     ]
     if unmet:
         raise InputError(
-            f"columns must name titles or numbers of columns, got {unmet}, which no "
-            "file has."
+            argument="columns",
+            got=unmet,
+            accepted="titles or numbers of columns that a file has",
         )
     if temperature is None:
         parts = with_temperatures_of_names(parts)
@@ -175,15 +178,16 @@ def _checked_sources(path_or_paths: object) -> list[Any]:
         or not all(map(_is_source, sources))
     ):
         raise InputError(
-            "path_or_paths must be a file or a list of files, or tables of pandas or "
-            f"polars in their place, got {path_or_paths!r}."
+            argument="path_or_paths",
+            got=path_or_paths,
+            accepted="a file or a list of files, or tables of pandas or polars in "
+            "their place",
         )
     files = [str(one) for one in sources if not is_frame(one)]
     repeated = sorted({name for name in files if files.count(name) > 1})
     if repeated:
         raise InputError(
-            f"path_or_paths must name every file once, got {', '.join(repeated)} "
-            "twice or more."
+            argument="path_or_paths", got=repeated, accepted="every file once"
         )
     return list(sources)
 
@@ -253,13 +257,22 @@ def _read(source: Any, options: _Options, unmet: dict[str, str | int]) -> list[D
         )
     if not measurements:
         known, lack = not_understood or ([], "there are no columns of moduli")
-        raise InputError(missing(name, known, lack, parts))
+        raise InputError(
+            argument="path",
+            got=name,
+            accepted=_A_MEASUREMENT if parts else NUMBERS,
+            hint=lack + "; " + missing(known, max(parts, key=lambda one: len(one.rows)))
+            if parts
+            else "",
+        )
     without = [i for i, one in enumerate(measurements) if not one.has_temperatures]
     if 0 < len(without) < len(measurements):
         raise InputError(
-            f"{name}: the rows from line {used[without[0]].rows[0].line} on have no "
-            "temperature, and others have: write it above them, as 'T = -20 degC', or "
-            "into a column."
+            argument="path",
+            got=name,
+            accepted="a file whose rows all have a temperature, or none",
+            hint=f"the rows from line {used[without[0]].rows[0].line} on have none: "
+            "write it above them, as 'T = -20 degC', or into a column",
         )
     return measurements
 
@@ -296,7 +309,12 @@ def _refuse_second_step(
         on = f"the times from line {line} on count on from the step before"
         advice = "write seconds since their own step"
         if apart and apart[-1]:
-            raise InputError(f"{table.name}: {on}, at another temperature: {advice}.")
+            raise InputError(
+                argument="path",
+                got=table.name,
+                accepted="a file whose times count from their own step",
+                hint=f"{on}, at another temperature: {advice}",
+            )
         # the same step with other intervals goes on where it was
         if (
             not above
@@ -332,7 +350,7 @@ def _lack(table: TitledTable, columns: Understood, specimen: Specimen) -> str:
     titled = {head.place for head in table.heads if head.title}
     if specimen.storage_only or titled <= {one.place for one in columns.all}:
         return ""
-    return f"{lack}; {_ALONE}"
+    return lack + "; " + _ALONE
 
 
 def _refuse_rows_below(table: TitledTable, before: TitledTable) -> None:
@@ -343,8 +361,11 @@ def _refuse_rows_below(table: TitledTable, before: TitledTable) -> None:
     if len(table.heads) == len(before.heads) and line > before.rows[0].line:
         titles = ", ".join(head.title for head in table.heads)[:80]
         raise InputError(
-            f"{table.name}: the rows from line {line} on stand below titles that are not "
-            f"understood, {titles!r}: leave them out, or name the columns."
+            argument="path",
+            got=table.name,
+            accepted="a table whose rows stand below titles that are understood",
+            hint=f"those from line {line} on are below {titles!r}: leave them out, or "
+            "name the columns",
         )
 
 
@@ -361,7 +382,10 @@ def _of_kind(
         return list(columns)
     if kind is None:
         raise InputError(
-            f"{table.name}: the file has moduli of shear and of tension: give {_OF_KIND}."
+            argument="kind",
+            got=None,
+            accepted="given for a file with moduli of shear and of tension",
+            hint=f"{table.name!r} has both: give " + _OF_KIND,
         )
     of_kind = [
         column
@@ -370,9 +394,10 @@ def _of_kind(
     ]
     if lacking({column.role for column in of_kind}):
         raise InputError(
-            f"{table.name}: the file has no storage and loss modulus of kind {kind!r}, "
-            "only one of "
-            "both."
+            argument="kind",
+            got=kind,
+            accepted=f"one of which {table.name!r} has storage and loss modulus",
+            hint="it has only one of both",
         )
     return of_kind
 
@@ -406,7 +431,12 @@ def _measurement(
         )
         if needed[0] == "time":
             raise NoStep(table, why, "")
-        raise InputError(f"{name}: {why}.")
+        raise InputError(
+            argument="path",
+            got=name,
+            accepted="a file with rows that are a measurement",
+            hint=why,
+        )
     for role in needed:
         if role not in values:
             values[role] = np.full(int(good.sum()), table.fixed.get(role, np.nan))
@@ -517,12 +547,15 @@ def _over_time(
         modulus = 1 / values["creep"] if response == "creep" else values["relaxation"]
     time, temperature = values["time"], values["temperature"]
     if ramp and response == "creep":
-        raise InputError(f"ramp must be left out for creep, got {ramp:g} s ({name}).")
+        raise InputError(
+            argument="ramp", got=ramp, accepted=f"left out for creep, as in {name!r}"
+        )
     good = np.isfinite(modulus) & (time > ramp)
     if not good.any():
         raise InputError(
-            f"{name}: no point is later than the ramp of {ramp:g} s; times count from "
-            "its start."
+            argument="ramp",
+            got=ramp,
+            accepted=f"shorter than the times of {name!r}, which count from its start",
         )
     message = (
         f"{name}: {int((~good).sum())} points within the ramp of {ramp:g} s left out."
@@ -542,9 +575,12 @@ def _scale(name: str, specimen: Specimen) -> float:
     """What turns a stiffness into a modulus: length over section."""
     if specimen.area is None or specimen.length is None:
         raise InputError(
-            f"{name}: the columns hold a stiffness; give the specimen's section and "
-            "length (in shear: height), as "
-            f"{advise('area=1e-4, length=0.02', {'area': '100 mm2', 'length': '20 mm'})}."
+            argument="area",
+            got=specimen.area,
+            accepted="given, as length, for columns of stiffness",
+            hint=f"those of {name!r}: give the specimen's section and length (in "
+            "shear: height), as "
+            + advise("area=1e-4, length=0.02", {"area": "100 mm2", "length": "20 mm"}),
         )
     return specimen.length / specimen.area
 
@@ -605,7 +641,10 @@ def _kind(
     known = kind_of_file or kind
     if len(letters) > 1 or known is None:
         raise InputError(
-            f"{table.name}: whether the moduli are of shear or tension is not in the "
-            f"file; give it, as {_OF_KIND}."
+            argument="kind",
+            got=None,
+            accepted="given where the file does not say whether its moduli are of "
+            "shear or tension",
+            hint=f"{table.name!r} does not: give " + _OF_KIND,
         )
     return known

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import InputError, advise
 from ..units.registry import KINDS, to_si
-from .columns import LOGS, Column, naming, understand, unit_of
+from .columns import LOGS, Column, either, naming, understand, unit_of
 from .quantities import QUANTITIES
 from .tables import TitledTable, titled_unit
 
@@ -56,7 +56,12 @@ class NoStep(InputError):
     def __init__(
         self, table: TitledTable, why: str, advice: str, ended: float = -np.inf
     ):
-        super().__init__(f"{table.name}: {why}{advice and ': '}{advice}.")
+        super().__init__(
+            argument="path",
+            got=table.name,
+            accepted="a table of the response to one step of stress or strain",
+            hint=why + (": " + advice if advice else ""),
+        )
         self.why = why
         self.ended = ended  # their last time [s]
 
@@ -179,7 +184,7 @@ def while_held(
     load = _HELD[response]
     untold = (
         f"{table.name}: nothing in the file tells that the {load} was held; if it was, "
-        f"say so, as {naming({load: _EXAMPLE[response]})}."
+        "say so, as " + naming({load: _EXAMPLE[response]}) + "."
     )
     remarks = [untold] * (not told and not ramp)
     places = np.sort(np.concatenate(kept))
@@ -274,12 +279,12 @@ def _not_held(
 ) -> tuple[str, str]:
     """Why rows over time are no response to one step, and what to do, in words."""
     what = f"stress and strain {'are both constant' if held else 'both vary'}"
-    given = " or ".join(naming({_HELD[way]: _EXAMPLE[way]}) for way in ways)
-    advice = f"leave out the rows while it changes, or give what was held, as {given}"
+    given = either([naming({_HELD[way]: _EXAMPLE[way]}) for way in ways])
+    advice = "leave out the rows while it changes, or give what was held, as " + given
     if len(ways) == 1:
         what = f"by column {varies} the {_HELD[ways[0]]} is not held"
     if "relaxation" in ways:
-        advice += f"; of a ramp its duration, as {advise('ramp=2.0', {'ramp': '2 s'})}"
+        advice += "; of a ramp its duration, as " + advise("ramp=2.0", {"ramp": "2 s"})
     line = table.rows[0].line
     return (
         f"{what} over time from line {line} on, which is neither creep nor relaxation",

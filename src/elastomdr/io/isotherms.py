@@ -220,9 +220,11 @@ def _between(table: TitledTable, first: int, end: int) -> dict[str, float]:
     }
     if temperatures and max(temperatures) - min(temperatures) > _SAME:
         raise InputError(
-            f"{table.name}: {' and '.join(map(repr, temperatures.values()))} stand above the same "
-            "columns: leave the one that is "
-            "theirs."
+            argument="path",
+            got=table.name,
+            accepted="a table with one temperature above its columns",
+            hint=f"{' and '.join(map(repr, temperatures.values()))} stand above the "
+            "same: leave the one that is theirs",
         )
     return {"temperature": min(temperatures)} if temperatures else {}
 
@@ -256,10 +258,13 @@ def _bare(table: TitledTable, count: int) -> list[float]:
             return kelvin
         if count > 1:
             raise InputError(
-                f"{table.name}: line {row.line}, {listed}, may be the temperatures of the "
-                f"{count} isotherms below: give their unit, degC or K, as "
-                f"{advise('temperature_unit=UNIT', {'temperature_unit': 'UNIT'})}, or "
-                "write it behind each."
+                argument="path",
+                got=table.name,
+                accepted="a table whose temperatures have a unit",
+                hint=f"those in line {row.line}, {listed}, above {count} isotherms "
+                "have none: give degC or K, as "
+                + advise("temperature_unit=UNIT", {"temperature_unit": "UNIT"})
+                + ", or write it behind each",
             )
     return []
 
@@ -337,7 +342,8 @@ def without_holds(parts: list[Dma]) -> list[Dma]:
         return parts
     kept = [isotherm for isotherm in parts if isotherm not in holds]
     warning = (
-        f"{holds[0].source}: {sum(isotherm.size for isotherm in holds)} points in steps "
+        f"{holds[0].source}: {sum(isotherm.size for isotherm in holds)} points in "
+        "steps "
         "at one frequency and temperature are left out: a sweep of something that no "
         "column holds, such as strain or time."
     )
@@ -403,8 +409,7 @@ def with_given_temperatures(
     given = np.atleast_1d(as_float64("temperature", temperature))
     if given.ndim > 1 or not given.size:
         raise InputError(
-            "temperature must be one, or a list of them, got an array of the shape "
-            f"{given.shape}."
+            argument="temperature", got=given, accepted="one, or a list of them"
         )
     in_kelvin("temperature", given, COLDEST)
     count = sum(without)
@@ -412,13 +417,15 @@ def with_given_temperatures(
         temperatures = np.concatenate([isotherm.temperatures for isotherm in parts])
         celsius = np.unique((temperatures - 273.15).round(1))
         raise InputError(
-            f"temperature must be left out, got {describe_list(given, 'K')}: the "
-            f"files say {describe_list(celsius, 'degC')}."
+            argument="temperature",
+            got=given,
+            accepted=f"left out: the files say {describe_list(celsius, 'degC')}",
         )
     if len(given) not in (1, count):
         raise InputError(
-            f"temperature must be one number, or one for each of the {count} "
-            f"isotherms without, got {len(given)}."
+            argument="temperature",
+            got=given,
+            accepted=f"one number, or one for each of the {count} isotherms without",
         )
     left = iter(np.broadcast_to(given, count).tolist())
     return [
@@ -435,5 +442,8 @@ def _warned(isotherm: Dma) -> Dma:
         return isotherm
     unknown = ~np.isfinite(isotherm.temperatures)
     rates = np.concatenate([isotherm.omega, 1 / isotherm.time])[unknown]
-    warning = f"{isotherm.source}: there is no temperature, which shifting needs: {untold(rates)}"
+    warning = (
+        f"{isotherm.source}: there is no temperature, which shifting needs: "
+        + untold(rates)
+    )
     return replace(isotherm, warnings=(*isotherm.warnings, warning))

@@ -134,15 +134,18 @@ def read_friction(
     name = table.name
     if 2 * len(bad) > len(table.rows):
         raise InputError(
-            f"{name}: {len(bad)} of {len(table.rows)} rows are no measurement: "
-            f"{'; '.join(bad[:3])} ..."
+            argument="path",
+            got=name,
+            accepted="a table most of whose rows are a measurement",
+            hint=f"{len(bad)} of {len(table.rows)} are not: {'; '.join(bad[:3])} ...",
         )
     if "error" in chosen and chosen["error"].unit == "%":
         if chosen["mu"].unit == "%":
             raise InputError(
-                f"{name}: mu and its error are in %, which may be percent of mu or of "
-                "1: give the error as a "
-                "plain number."
+                argument="path",
+                got=name,
+                accepted="a table whose error is a plain number where mu is in %",
+                hint="the error may be percent of mu or of 1",
             )
         values["error"] = values["error"] * values["mu"]
     if temperature is not None:
@@ -150,8 +153,9 @@ def read_friction(
         in_kelvin("temperature", given_temperature)
         if "temperature" in values:
             raise InputError(
-                f"temperature must be left out, got {given_temperature:g} K: {name!r} has a "
-                "column for it."
+                argument="temperature",
+                got=given_temperature,
+                accepted=f"left out where the file has a column for it, as {name!r}",
             )
         values["temperature"] = np.full(values["mu"].shape, given_temperature)
     report = left_out(name, bad, "report")
@@ -236,7 +240,12 @@ def _both_shifts(
         path, _SHIFTS, ("temperature", "shift"), columns, units, log="log10"
     )
     if read.bad:
-        raise InputError(f"{read.table.name}: {'; '.join(read.bad[:3])}.")
+        raise InputError(
+            argument="path",
+            got=read.table.name,
+            accepted="a table whose rows are all of numbers",
+            hint="; ".join(read.bad[:3]),
+        )
     order = np.argsort(read.values["temperature"])
     temperature = read.values["temperature"][order]
     shift = ShiftTable(temperature, np.log10(read.values["shift"][order]))
@@ -246,9 +255,11 @@ def _both_shifts(
         column = read.chosen["vertical"]
         if not column.log and (read.table.column(column.place) <= 0).any():
             raise InputError(
-                f"{read.table.name}: column {column.words} must be positive, and is not: "
-                "if it holds logarithms, title it 'log10 bT', or give it as "
-                f"{naming({'vertical': f'log10({column.place + 1})'})}."
+                argument="path",
+                got=read.table.name,
+                accepted=f"a table whose column {column.words} is positive",
+                hint="if it holds logarithms, title it 'log10 bT', or give it as "
+                + naming({"vertical": f"log10({column.place + 1})"}),
             )
         if not known.all():
             holes = ", ".join(f"{kelvin:g} K" for kelvin in temperature[~known])

@@ -65,13 +65,15 @@ def bytes_of(path: Path) -> bytes:
         return read_bytes(path)
     except (OSError, ValueError) as error:
         reason = (
-            "is a folder: give the files in it"
+            "it is a folder: give the files in it"
             if isinstance(error, IsADirectoryError)
             else getattr(error, "strerror", None) or error
         )
         raise InputError(
-            f"path must be a file that can be read, got {path.name or str(path)!r}: "
-            f"{reason}."
+            argument="path",
+            got=path.name or str(path),
+            accepted="a file that can be read",
+            hint=str(reason),
         ) from error
 
 
@@ -138,8 +140,10 @@ def cut(name: str, content: str) -> Sheet:
     # more lines and their cells would take a hundred times the memory of the text
     if content.count("\n") > _MOST_LINES:
         raise InputError(
-            f"path must be a text of {_MOST_LINES:,} lines at most, got "
-            f"{content.count(chr(10)):,} in {name!r}."
+            argument="path",
+            got=name,
+            accepted=f"a text of {_MOST_LINES:,} lines at most",
+            hint=f"it has {content.count(chr(10)):,}",
         )
     # blanks between thousands
     content = re.sub("(?<=\\d)[\u00a0\u2009\u202f](?=\\d)", "", content).replace(
@@ -149,14 +153,18 @@ def cut(name: str, content: str) -> Sheet:
     longest = max(map(len, lines), default=0)
     if longest > _LONGEST_LINE:
         raise InputError(
-            f"path must be a text with lines of {_LONGEST_LINE:,} characters at "
-            f"most, got {longest:,} in {name!r}."
+            argument="path",
+            got=name,
+            accepted=f"a text with lines of {_LONGEST_LINE:,} characters at most",
+            hint=f"one has {longest:,}",
         )
     mark = _separator(lines)
     if content.count(mark) > _MOST_CELLS:
         raise InputError(
-            f"path must be a text of {_MOST_CELLS:,} cells at most, got "
-            f"{content.count(mark):,} in {name!r}."
+            argument="path",
+            got=name,
+            accepted=f"a text of {_MOST_CELLS:,} cells at most",
+            hint=f"it has {content.count(mark):,}",
         )
     rows = [
         Row(i, line.split() if mark == " " else _cells(line, mark))
@@ -189,9 +197,10 @@ def decode(raw: bytes, name: str) -> str:
             return raw.decode(encoding, errors="replace")
     if b"\0" in raw[:4096]:
         raise InputError(
-            "path must be a text file or a spreadsheet (.xls, .xlsx), got "
-            f"{name!r} "
-            "with binary data."
+            argument="path",
+            got=name,
+            accepted="a text file or a spreadsheet (.xls, .xlsx)",
+            hint="it has binary data",
         )
     for encoding in ("utf-8-sig", "cp1252", "cp949"):
         try:
@@ -330,14 +339,17 @@ def run_reader(reader: str, path: Path, patience: float, accepted: str) -> bytes
         )
     except subprocess.TimeoutExpired as error:
         raise InputError(
-            f"path must be {accepted} that can be read in {patience} s, got "
-            f"{path.name!r}."
+            argument="path",
+            got=path.name,
+            accepted=f"{accepted} that can be read in {patience} s",
         ) from error
     if read.returncode != 0:
         reason = read.stdout.decode(errors="replace") * (read.returncode == 1)
         raise InputError(
-            f"path must be {accepted} that can be read, got {path.name!r}: "
-            f"{' '.join(reason.split())[:300] or 'it is damaged'}"
+            argument="path",
+            got=path.name,
+            accepted=f"{accepted} that can be read",
+            hint=" ".join(reason.split())[:300].rstrip(".") or "it is damaged",
         )
     return read.stdout
 
@@ -345,8 +357,11 @@ def run_reader(reader: str, path: Path, patience: float, accepted: str) -> bytes
 def _spreadsheet(path: Path, name: str) -> list[Row]:
     if importlib.util.find_spec("python_calamine") is None:
         raise InputError(
-            f"{name}: reading spreadsheets needs python-calamine: pip install "
-            "elastomdr[excel]"
+            argument="path",
+            got=name,
+            accepted="a text file where python-calamine is not installed, which "
+            "reads spreadsheets",
+            hint="pip install elastomdr[excel]",
         )
     printed = run_reader("spreadsheet", path, _PATIENCE, "a spreadsheet")
     rows: list[Row] = []

@@ -96,8 +96,9 @@ def read_spectrum(
     name, table = sheet.name, main_table(sheet)
     if table is None:
         raise InputError(
-            f"path must be a table of wave numbers and a spectrum, got {name!r} "
-            "without a row of two numbers."
+            argument="path",
+            got=name,
+            accepted="a table of wave numbers and a spectrum, with rows of two numbers",
         )
     refuse_ragged(name, table)
     first, second = _columns(table, columns, name)
@@ -129,9 +130,11 @@ def _densities(
     si = to_si(unit, wanted)
     if si is None:
         raise InputError(
-            f"path: {name!r} gives C in {unit}, but convention {convention!r} needs "
-            f"{wanted}: m^4 is the spectrum of a surface (2d), m^3 that of a straight "
-            "cut (1d)."
+            argument="c_unit",
+            got=unit,
+            accepted=f"{wanted} for the convention {convention!r}",
+            hint="m^4 is the spectrum of a surface (2d), m^3 that of a straight cut "
+            "(1d)",
         )
     return table.column(head.place) * si[0]
 
@@ -171,9 +174,12 @@ def _unit_and_meaning(
     )
     if contradiction and q_unit is None:
         raise InputError(
-            f"path: {name!r} has the title {head.title!r} with the unit "
-            f"{unit_of_title!r}, which contradict each other: say what the numbers "
-            "are, as q_unit = 'rad/m', 'cycles/m' or, for wavelengths, 'm'."
+            argument="q_unit",
+            got=None,
+            accepted="given where title and unit contradict each other, as 'rad/m', "
+            "'cycles/m' or, for wavelengths, 'm'",
+            hint=f"{name!r} has the title {head.title!r} with the unit "
+            f"{unit_of_title!r}",
         )
     known = "" if contradiction else unit_of_title
     unit = _given(name, head, known, q_unit, "q_unit", "wave number", "length")
@@ -181,20 +187,27 @@ def _unit_and_meaning(
     if by_unit:
         if wave_number not in (None, by_unit):
             raise InputError(
-                f"wave_number is {wave_number!r}, but {name!r} gives {unit}, which is "
-                f"{by_unit}."
+                argument="wave_number",
+                got=wave_number,
+                accepted=f"left out, or {by_unit!r}",
+                hint=f"{name!r} gives {unit}",
             )
         return unit, by_unit
     if wave_number and by_title and wave_number != by_title:
         raise InputError(
-            f"wave_number is {wave_number!r}, but {name!r} says {head.title!r}."
+            argument="wave_number",
+            got=wave_number,
+            accepted=f"left out, or {by_title!r}",
+            hint=f"{name!r} says {head.title!r}",
         )
     meaning = wave_number or by_title
     if not meaning:
         raise InputError(
-            f"path: {name!r} gives wave numbers in {unit}, which may be q = 2 "
-            f"pi/lambda or 1/lambda: say which, as wave_number = {ANGULAR!r} or "
-            f"{CYCLES!r}."
+            argument="wave_number",
+            got=None,
+            accepted=f"given, as {ANGULAR!r} or {CYCLES!r}",
+            hint=f"wave numbers of {name!r} are in {unit}, which may be q = 2 "
+            "pi/lambda or 1/lambda",
         )
     return unit, meaning
 
@@ -243,15 +256,21 @@ def _given(
     if user is not None and (
         not isinstance(user, str) or not any(to_si(user, kind) for kind in kinds)
     ):
-        raise InputError(f"{key} must be a unit such as {example}, got {user!r}.")
+        raise InputError(argument=key, got=user, accepted=f"a unit such as {example}")
     if in_title and user is not None and user != in_title:
-        raise InputError(f"{key} is {user!r}, but {name!r} says {in_title!r}.")
+        raise InputError(
+            argument=key,
+            got=user,
+            accepted=f"left out, or {in_title!r}, as {name!r} says",
+        )
     if in_title or user:
         return in_title or str(user)
     raise InputError(
-        f"path: {name!r} has no unit that is known in column "
-        f'{head.words}; write titles such as "q [rad/m], C [m^4]", or give {key}, '
-        f"such as {example!r}."
+        argument=key,
+        got=None,
+        accepted=f"given, such as {example!r}, or said by a title",
+        hint=f"column {head.words} of {name!r} has no unit that is known; titles are "
+        "such as 'q [rad/m], C [m^4]'",
     )
 
 
@@ -261,9 +280,11 @@ def _columns(
     count = len(table.heads)
     if columns is None and count != 2:
         raise InputError(
-            f"path: {name!r} has {count} columns ({listed(table.heads)}); say which "
-            "are the wave number and C, as "
-            "columns = [N, M]."
+            argument="columns",
+            got=None,
+            accepted="given, as columns = [N, M], where a table has more than the "
+            "wave number and C",
+            hint=f"{name!r} has {count} columns ({listed(table.heads)})",
         )
     heads = table.heads if columns is None else named_heads(columns, table, "two ")
     if len(heads) != 2:
@@ -272,19 +293,24 @@ def _columns(
     for head in heads:
         if any(is_level(unit) for _, unit in [("", head.below), *splits(head.title)]):
             raise InputError(
-                f"path: {name!r} has levels in dB in column "
-                f"{head.words}: turn them into numbers first. Levels L re 1e-6 m of "
-                "bands (ISO 13473-4) are C = 1e-12 m^2 10^(L/10)/width with "
-                'convention="1d one-sided", the width of a band being 0.2316 q for '
-                "third octaves and 0.7071 q for octaves, q = 2 pi/lambda [rad/m]."
+                argument="path",
+                got=name,
+                accepted="a table of numbers, not of levels in dB",
+                hint=f"column {head.words} has levels: turn them into numbers first. "
+                "Levels L re 1e-6 m of bands (ISO 13473-4) are C = 1e-12 m^2 "
+                '10^(L/10)/width with convention="1d one-sided", the width of a '
+                "band being 0.2316 q for third octaves and 0.7071 q for "
+                "octaves, q = 2 pi/lambda [rad/m].",
             )
         if logarithm(clean(head.title))[0] and not re.search(
             "spac|scale|grid|bin", head.title
         ):
             raise InputError(
-                f"path: {name!r} has logarithms in column "
-                f"{head.words}: turn them into numbers "
-                "first, or name other columns, as columns = [N, M]."
+                argument="path",
+                got=name,
+                accepted="a table of numbers, not of logarithms",
+                hint=f"column {head.words} has logarithms: turn them into numbers "
+                "first, or name other columns, as columns = [N, M]",
             )
     return first, second
 
@@ -305,21 +331,28 @@ def _rows(
         if wrong.size:
             row = table.rows[wrong[0]]
             hint = (
-                " Logarithms must be turned into numbers first."
+                ": logarithms must be turned into numbers first"
                 if wrong.size > used.sum() / 4
                 else ""
             )
             raise InputError(
-                f"path: {name!r} has {quantity} {row.cells[head.place]} in line "
-                f"{row.line}, which must be positive ({wrong.size} such rows).{hint}"
+                argument="path",
+                got=name,
+                accepted=f"a table whose {quantity} is positive",
+                hint=f"it is {row.cells[head.place]} in line {row.line} ({wrong.size} "
+                f"such rows){hint}",
             )
     if used.sum() < 3:
         raise InputError(
-            f"path: {name!r} must have three rows of numbers or more, got "
-            f"{int(used.sum())}."
+            argument="path",
+            got=name,
+            accepted="a table of three rows of numbers or more",
+            hint=f"it has {int(used.sum())}",
         )
     if not (np.all(q[used] < _LARGEST) and np.all(c[used] < _LARGEST)):
         raise InputError(
-            f"path: {name!r} must hold numbers below {_LARGEST:g} in SI units."
+            argument="path",
+            got=name,
+            accepted=f"a table of numbers below {_LARGEST:g} in SI units",
         )
     return used

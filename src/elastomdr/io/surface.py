@@ -10,7 +10,6 @@ import importlib.util
 import io
 import itertools
 import os
-import reprlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -18,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..checks import as_float64, in_si, plain, positive, untraced
-from ..errors import InputError, warn
+from ..errors import InputError, typed_as, warn
 from ..surface.topography import MeasuredSurface, Scan, surface
 from ..units.registry import to_si, usual
 from .data import FitWarning
@@ -66,6 +65,8 @@ PixelSize = float | tuple[float, float] | None
 
 
 @in_si
+@typed_as("heights", "path_or_heights")
+@typed_as("path", "path_or_heights")
 def read_surface(
     path_or_heights: Path_ | Heights | Sequence[Path_ | Heights],
     *,
@@ -123,13 +124,16 @@ def read_surface(
     for one in units if unit is not None else []:
         if not (isinstance(one, str) and to_si(one, "length")):
             raise InputError(
-                f"unit must be a unit of length such as {usual('length')}, or one for "
-                f"each column, got {unit!r}."
+                argument="unit",
+                got=unit,
+                accepted=f"a unit of length such as {usual('length')}, or one for "
+                "each column",
             )
     if columns is not None and not isinstance(columns, (list, tuple)):
         raise InputError(
-            "columns must be a list of numbers from 1 or of titles, got "
-            f"{reprlib.repr(columns)}."
+            argument="columns",
+            got=columns,
+            accepted="a list of numbers from 1 or of titles",
         )
     layout = _Layout(units, None if columns is None else list(columns))
     sources: list[Any] = (
@@ -144,8 +148,9 @@ def read_surface(
     )
     if len(sizes) != len(sources):
         raise InputError(
-            f"pixel_size must have an entry for each of the {len(sources)} scans, "
-            f"got {len(sizes)}."
+            argument="pixel_size",
+            got=pixel_size,
+            accepted=f"one, or a list of one for each of the {len(sources)} scans",
         )
     scans = [
         scan
@@ -168,7 +173,7 @@ def read_surface(
         return surface(scans, shortest, detrend)
     except InputError as error:
         if paths:
-            error.inside(", ".join(map(repr, paths)), "path")
+            error.inside(", ".join(map(repr, paths)))
         raise
 
 
@@ -182,8 +187,9 @@ class _Layout(NamedTuple):
         """The unit given for one of `count` columns."""
         if len(self.units) not in (1, count):
             raise InputError(
-                f"unit must be one unit, or one for each of the {count} columns, got "
-                f"{len(self.units)}."
+                argument="unit",
+                got=list(self.units),
+                accepted=f"one unit, or one for each of the {count} columns",
             )
         return self.units[place if len(self.units) > 1 else 0]
 
@@ -196,12 +202,14 @@ def _scans(source: Any, pixel_size: Any, layout: _Layout) -> list[Scan]:
                 return [_from_instrument(path, pixel_size, layout)]
             return _from_text(path, pixel_size, layout)
         except InputError as error:
-            error.inside(repr(path.name), "path")
+            if error.got != path.name:
+                error.inside(repr(path.name))
             raise
     if layout != _Layout([None], None):
         raise InputError(
-            "unit goes with a file, as columns do; heights of an array are in metres, got "
-            f"unit={layout.units!r}, columns={layout.columns!r}."
+            argument="columns" if layout.columns else "unit",
+            got=layout.columns or layout.units,
+            accepted="left out for heights of an array, which are in metres",
         )
     try:
         is_complex = np.iscomplexobj(source)
@@ -209,14 +217,19 @@ def _scans(source: Any, pixel_size: Any, layout: _Layout) -> list[Scan]:
         height = np.ma.filled(np.ma.asarray(source, dtype=numbers), np.nan)
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(
-            "path_or_heights must be a path, heights [m] or a list of these, got "
-            f"{type(source).__name__}."
+            argument="path_or_heights",
+            got=source,
+            accepted="a path, heights [m] or a list of these",
         ) from error
     if is_complex:
-        raise InputError("heights must be real numbers [m], got complex ones.")
+        raise InputError(
+            argument="path_or_heights", got=source, accepted="real numbers [m]"
+        )
     if height.ndim not in (1, 2):
         raise InputError(
-            f"heights must have the shape (n,) or (n_x, n_y), got {height.shape}."
+            argument="path_or_heights",
+            got=source,
+            accepted="heights of the shape (n,) or (n_x, n_y)",
         )
     return [_even(height, pixel_size, "heights")]
 
@@ -227,8 +240,10 @@ def _even(
     """Heights [m] whose points are `pixel_size` [m] apart."""
     if pixel_size is None:
         raise InputError(
-            f"pixel_size must be given with {source_words}: the distance of neighbouring "
-            "points [m], got None."
+            argument="pixel_size",
+            got=None,
+            accepted=f"given with {source_words}: the distance of neighbouring points "
+            "[m]",
         )
     untraced(
         InputError(
@@ -240,8 +255,9 @@ def _even(
     positive("pixel_size", sizes)
     if len(sizes) not in (1, height.ndim) or np.ndim(sizes) > 1:
         raise InputError(
-            "pixel_size must be one number [m] or one for each direction, got "
-            f"{len(sizes)}."
+            argument="pixel_size",
+            got=pixel_size,
+            accepted="one number [m] or one for each direction",
         )
     _below(height, source_words)
     height, dropouts = without_dropouts(height)
@@ -256,9 +272,9 @@ def _below(lengths: np.ndarray, source_words: str) -> None:
     known = np.abs(lengths[np.isfinite(lengths)])
     if known.size and not known.max() < _LARGEST:
         raise InputError(
-            f"{source_words} must be lengths below {_LARGEST:g} m, got one of "
-            f"{known.max():g} "
-            "m."
+            argument="path",
+            got=float(known.max()),
+            accepted=f"of lengths below {_LARGEST:g} m in its {source_words}",
         )
 
 
@@ -277,15 +293,13 @@ def _from_text(path: Path, pixel_size: Any, layout: _Layout) -> list[Scan]:
         if _can_read_instruments() and not titled:
             with contextlib.suppress(InputError):
                 return [_from_instrument(path, pixel_size, layout)]
-        got = (
-            f"{len(heads)} in {path.name!r}"
-            if table
-            else f"{path.name!r} without a row of two numbers"
-        )
+        found = f"it has {len(heads)}" if table else "it has no row of two numbers"
         raise InputError(
-            "path must be a table with two columns (x, height) or three (x, y, "
-            f"height), got {got}; columns=[N, M] selects some, and a matrix of "
-            "heights needs pixel_size."
+            argument="path",
+            got=path.name,
+            accepted="a table with two columns (x, height) or three (x, y, height)",
+            hint=f"{found}; columns=[N, M] selects some, and a matrix of heights "
+            "needs pixel_size",
         )
     refuse_ragged(path.name, table)
     data = np.stack(
@@ -310,10 +324,11 @@ def _can_read_instruments() -> bool:
 def _from_instrument(path: Path, pixel_size: Any, layout: _Layout) -> Scan:
     if not _can_read_instruments():
         raise InputError(
-            "path must be a table of heights (.csv, .tsv, .txt, .dat), got "
-            f"{path.name!r}; files of instruments are "
-            "read with SurfaceTopography, which is not installed: pip install "
-            "elastomdr[instruments]."
+            argument="path",
+            got=path.name,
+            accepted="a table of heights (.csv, .tsv, .txt, .dat)",
+            hint="files of instruments are read with SurfaceTopography, which is not "
+            "installed: pip install elastomdr[instruments]",
         )
     bytes_of(path)
     printed = run_reader("instrument", path, _PATIENCE, "a file of an instrument")
@@ -321,12 +336,17 @@ def _from_instrument(path: Path, pixel_size: Any, layout: _Layout) -> Scan:
         x, y, height, unit, sized = _Instrument(**read)
     given = str(unit) or layout.unit(0, 1)
     if given is None:
-        raise InputError(f"path: {path.name!r} says nothing of its unit; give unit=.")
+        raise InputError(
+            argument="unit",
+            got=None,
+            accepted=f"given, since {path.name!r} says nothing of its unit",
+        )
     metres = _length(given, path.name)
     if sized and pixel_size is not None:
         raise InputError(
-            f"pixel_size must be left out, {path.name!r} has its own, got "
-            f"{pixel_size!r}."
+            argument="pixel_size",
+            got=pixel_size,
+            accepted=f"left out, since {path.name!r} has its own",
         )
     height = height * metres
     if sized and y.size == 0:
@@ -386,9 +406,12 @@ def _means(
     apart = float(np.std(height - mean[place])) if again else 0.0
     if again > _MOST_AGAIN * height.size and apart > _MOST_APART * np.std(height):
         raise InputError(
-            f"{words} must not come again with other heights, got {again} of "
-            f"{height.size} points at {words} that came before, {apart:.3g} m (rms) "
-            "from their mean: give several scans one by one, as a list."
+            argument="path",
+            got=again,
+            accepted="a scan without other heights at places that came before",
+            hint=f"{again} of {height.size} points are at {words} that came before, "
+            f"{apart:.3g} m (rms) from their mean: give several scans one by "
+            "one, as a list",
         )
     if again:
         report.append(f"{again} points at {words} that came before: heights averaged")
@@ -411,15 +434,18 @@ def _profile(x: np.ndarray, height: np.ndarray) -> Scan:
     x, place = np.unique(x, return_inverse=True)
     if x.size < _LEAST_TRACE:
         raise InputError(
-            f"a profile must have {_LEAST_TRACE} points or more at different x, got "
-            f"{x.size}."
+            argument="path",
+            got=int(x.size),
+            accepted=f"a profile of {_LEAST_TRACE} points or more at different x",
         )
     height = _means(place, height, x.size, "an x", report)
     n = round(float((x[-1] - x[0]) / np.median(np.diff(x)))) + 1
     if n > _MOST:
         raise InputError(
-            f"x of a profile spans {n:.3g} of its median steps, more than "
-            f"{_MOST:.0e}: is one of the values mistyped?"
+            argument="path",
+            got=n,
+            accepted=f"a profile of {_MOST:.0e} of its median steps at most",
+            hint="is one of the values of x mistyped?",
         )
     even = np.linspace(x[0], x[-1], n)
     if n != x.size or np.abs(x - even).max() > _EVEN * (even[1] - even[0]):
@@ -440,12 +466,15 @@ def _grid(data: np.ndarray) -> Scan:
     (x, i), (y, j) = (np.unique(data[:, k], return_inverse=True) for k in (0, 1))
     if min(x.size, y.size) < 16 or x.size * y.size > 4 * len(data):
         raise InputError(
-            f"a map must lie on a grid of 16 by 16 points or more, got {x.size} x "
-            f"and {y.size} y values."
+            argument="path",
+            got=(int(x.size), int(y.size)),
+            accepted="a map on a grid of 16 by 16 points or more",
         )
     for axis, values in (("x", x), ("y", y)):
         if np.ptp(np.diff(values)) > 1e-3 * np.diff(values).mean():
-            raise InputError(f"{axis} of a map must be evenly spaced.")
+            raise InputError(
+                argument="path", got=axis, accepted="a map that is evenly spaced"
+            )
     place, known = i * y.size + j, np.isfinite(data[:, 2])
     height = _means(place[known], data[known, 2], x.size * y.size, "a place", report)
     steps = tuple(float((axis[-1] - axis[0]) / (axis.size - 1)) for axis in (x, y))
@@ -458,9 +487,11 @@ def _metres(head: Head, unit: str | None, name: str) -> float:
     given = titled_unit(head, "length")[1] or unit
     if given is None:
         raise InputError(
-            f"path: {name!r} has no unit of length in column "
-            f'{head.words}; write titles such as "x [mm], height [um]", or give '
-            'unit, such as "um".'
+            argument="unit",
+            got=None,
+            accepted='given, such as "um", or said by titles such as "x [mm], height '
+            '[um]"',
+            hint=f"column {head.words} of {name!r} has no unit of length",
         )
     return _length(given, name)
 
@@ -469,8 +500,10 @@ def _length(unit: str, name: str) -> float:
     si = to_si(unit, "length")
     if si is None:
         raise InputError(
-            f"path: {name!r} has the unit {unit!r}, which is none of length such "
-            f"as {usual('length')}."
+            argument="path",
+            got=unit,
+            accepted=f"with a unit of length such as {usual('length')}",
+            hint=f"that of {name!r} is none",
         )
     return si[0]
 
@@ -496,9 +529,11 @@ def without_dropouts(height: np.ndarray) -> tuple[np.ndarray, list[str]]:
         )
         if coded > _MOST_CODES * height.size:
             raise InputError(
-                "heights must be measured at three quarters of the points or more, "
-                f"got {coded} of {height.size} dropouts, {values}: measure again, or "
-                "cut that part away."
+                argument="path",
+                got=coded,
+                accepted="of heights measured at three quarters of the points or more",
+                hint=f"of {height.size} points {coded} are dropouts, {values}: "
+                "measure again, or cut that part away",
             )
         words.append(
             f"{coded} of {height.size} points are dropouts, {values}: {_LEFT_OUT}"
@@ -506,10 +541,13 @@ def without_dropouts(height: np.ndarray) -> tuple[np.ndarray, list[str]]:
     if lost > coded:
         if lost - coded > _MOST_SPIKES * height.size:
             raise InputError(
-                f"heights must be free of spikes at {1 - _MOST_SPIKES:.0%} of the "
-                f"points or more, got {lost - coded} of {height.size}, by up to "
-                f"{largest:.3g} m beyond their neighbours: filter them, or measure "
-                "again."
+                argument="path",
+                got=lost - coded,
+                accepted=f"free of spikes at {1 - _MOST_SPIKES:.0%} of the points or "
+                "more",
+                hint=f"of {height.size} points {lost - coded} are spikes, by up to "
+                f"{largest:.3g} m beyond their neighbours: filter them, or "
+                "measure again",
             )
         words.append(
             f"{lost - coded} of {height.size} points are spikes, by up to "

@@ -10,7 +10,6 @@ temperatures elsewhere has a function that finds them.
 import contextlib
 import math
 import re
-import reprlib
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -127,8 +126,9 @@ def refuse_many(name: str, count: int) -> None:
     """Raises `InputError` for more tables than a measurement has."""
     if count > _MOST_TABLES:
         raise InputError(
-            f"path must be a file with {_MOST_TABLES:,} tables (or steps) at most, got "
-            f"more in {name!r}."
+            argument="path",
+            got=name,
+            accepted=f"a file with {_MOST_TABLES:,} tables (or steps) at most",
         )
 
 
@@ -215,8 +215,10 @@ def named_heads(
         type(one) in (int, str) and one in known for one in columns
     ):
         raise InputError(
-            f"columns must be {count}numbers from 1 to {len(table.heads)} or titles of "
-            f"{listed(table.heads)}, got {reprlib.repr(columns)}."
+            argument="columns",
+            got=columns,
+            accepted=f"{count}numbers from 1 to {len(table.heads)} or titles of "
+            f"{listed(table.heads)}",
         )
     return [known[one] for one in columns]
 
@@ -226,8 +228,11 @@ def refuse_ragged(name: str, table: TitledTable) -> None:
     for row in table.rows:
         if len(row.cells) != len(table.heads):
             raise InputError(
-                f"path: {name!r} has {len(row.cells)} cells in line {row.line}, "
-                f"{len(table.heads)} elsewhere."
+                argument="path",
+                got=name,
+                accepted="a table with as many cells in each row as titles",
+                hint=f"it has {len(row.cells)} in line {row.line}, {len(table.heads)} "
+                "elsewhere",
             )
 
 

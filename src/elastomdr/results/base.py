@@ -377,10 +377,11 @@ class Result:
             or len(names) != len(results)
             or any(type(r) is not type(results[0]) for r in results)
         ):
-            kinds = ", ".join(type(r).__name__ for r in results)
             raise InputError(
-                f"results must be of one class, with a name each, got {len(names)} "
-                f"names for [{kinds}]."
+                argument="results",
+                got=[type(r).__name__ for r in results],
+                accepted=f"of one class, with a name each, and there are {len(names)} "
+                "names",
             )
         unique = distinct(names)
         lengths = [
@@ -408,8 +409,9 @@ class Result:
         """
         if material not in self.materials:
             raise InputError(
-                f"material must be one of {', '.join(self.materials) or 'none'}, "
-                f"got {material!r}."
+                argument="material",
+                got=material,
+                accepted=f"one of {', '.join(self.materials) or 'none'}",
             )
         i = self.materials.index(material)
         _, model, inputs, missing, length = self.origins[i]
@@ -446,8 +448,10 @@ class Result:
         """
         if not self.drawn:
             raise InputError(
-                "material must be a list of draws, as of "
-                "em.fit.material(...).draws(n), to have a band."
+                argument="material",
+                got=list(self.materials),
+                accepted="a list of draws, as of em.fit.material(...).draws(n), to "
+                "have a band",
             )
         require(
             "share",
@@ -734,9 +738,10 @@ class Result:
         """
         if as_path(path).suffix.lower() in (".xlsx", ".xls"):
             raise InputError(
-                f"path must not be that of a workbook, got {str(path)!r}: for one "
-                "use "
-                "to_excel."
+                argument="path",
+                got=str(path),
+                accepted="no workbook",
+                hint="for one use to_excel",
             )
         write_files({as_path(path): self.csv().encode()})
 
@@ -749,16 +754,21 @@ class Result:
         """
         if as_path(path).suffix.lower() != ".xlsx":
             raise InputError(
-                f"path must end in .xlsx, got {str(path)!r}: for a table of text "
-                "use "
-                "to_csv."
+                argument="path",
+                got=str(path),
+                accepted="the name of a file that ends in .xlsx",
+                hint="for a table of text use to_csv",
             )
         openpyxl = _package("openpyxl", "excel")
         columns = self.columns()
         rows = len(next(iter(columns.values())))
         if rows >= _ROWS:
             raise InputError(
-                f"path: a sheet of Excel has {_ROWS - 1} rows, got {rows}: use to_csv."
+                argument="path",
+                got=str(path),
+                accepted=f"that of a text for more than the {_ROWS - 1} rows of a "
+                "workbook's sheet",
+                hint=f"there are {rows}: use to_csv",
             )
         values = zip(*(column.tolist() for column in columns.values()), strict=True)
         meanings = [[q.label, q.path, q.unit, q.meaning] for q in self.fields()]
@@ -879,7 +889,9 @@ class Result:
             if q.unit and q.path not in self.coordinates
         ]
         if show not in fields:
-            raise InputError(f"show must be one of {', '.join(fields)}, got {show!r}.")
+            raise InputError(
+                argument="show", got=show, accepted=f"one of {', '.join(fields)}"
+            )
 
     def _draw(self, draw: "Draw", ask: "DrawAsk") -> "Axes":
         """Draws each material on the same axes."""
@@ -933,8 +945,9 @@ def _package(name: str, extra: str) -> Any:
         return __import__(name)
     except ImportError as error:
         raise InputError(
-            f"{name.partition('.')[0]} is not installed, and this needs it: pip install "
-            f"elastomdr[{extra}]"
+            argument=name.partition(".")[0],
+            accepted="installed for this",
+            hint=f"pip install elastomdr[{extra}]",
         ) from error
 
 
@@ -1078,7 +1091,7 @@ def _joined_field(f: Any, column: list[Any]) -> Any:
     if "static" in f.metadata:
         if any(value != column[0] for value in column):
             raise InputError(
-                f"results must have been computed alike, got {f.name} = {column}."
+                argument="results", got=column, accepted=f"computed alike in {f.name}"
             )
         return column[0]
     if not given:
@@ -1089,8 +1102,9 @@ def _joined_field(f: Any, column: list[Any]) -> Any:
         return tuple(column)
     if len(given) < len(column):
         raise InputError(
-            f"results must have been computed alike, got {f.name} in {len(given)} of "
-            f"{len(column)}."
+            argument="results",
+            got=len(given),
+            accepted=f"computed alike, {len(column)} of them with {f.name}",
         )
     return _joined(given, {})
 
@@ -1102,8 +1116,9 @@ def _stacked(name: str, column: list[Any], given: list[Any]) -> Any:
     shapes = {np.shape(x)[:-1] for x in given}
     if len(shapes) > 1 or len({np.ndim(x) for x in given}) > 1:
         raise InputError(
-            f"results must have one shape, got {name} of the shapes "
-            f"{[np.shape(x) for x in given]}."
+            argument="results",
+            got=[np.shape(x) for x in given],
+            accepted=f"of one shape in {name}",
         )
     longest = max(np.shape(x)[-1] if np.ndim(x) else 0 for x in given)
 

@@ -336,14 +336,17 @@ class FrictionCurve(AbstractCurve):
         """
         if self.origins:
             raise InputError(
-                "material must be chosen for a friction law: .select(name), one of "
-                f"{self.materials}."
+                argument="material",
+                got=list(self.materials),
+                accepted="one for a friction law",
+                hint="choose it by .select(name)",
             )
         fields = {q.key: value.ravel() for q, value in self.fields().items()}
         if cold and "cold" not in fields:
             raise InputError(
-                "cold must be False: this curve was computed without heat, and is "
-                "the cold one."
+                argument="cold",
+                got=cold,
+                accepted="False for a curve without heat, which is the cold one",
             )
         points = {
             name: fields[name]
@@ -375,8 +378,10 @@ class FrictionCurve(AbstractCurve):
         """
         if self.origins and not self.drawn:
             raise InputError(
-                "material must be chosen for an uncertainty: .select(name), one of "
-                f"{self.materials}."
+                argument="material",
+                got=list(self.materials),
+                accepted="one for an uncertainty",
+                hint="choose it by .select(name)",
             )
         if not self.drawn:
             return Uncertainty(tuple(self._parts()))
@@ -704,7 +709,9 @@ def _ranked(
     """The ranking of the materials of a curve; see `FrictionCurve.ranking`."""
     if not curve.origins:
         raise InputError(
-            "material must be a list for a ranking: em.friction([a, b], ...)."
+            argument="material",
+            got=None,
+            accepted="a list for a ranking, em.friction([a, b], ...)",
         )
     laws = {name: _laws(curve.select(name)) for name in curve.materials}
     axes = next(iter(laws.values()))[0].axes()
@@ -712,7 +719,9 @@ def _ranked(
     for name, value in asked.items():
         if value is not None and name not in axes:
             raise InputError(
-                f"{name} must be left out: the curve was computed without one."
+                argument=name,
+                got=value,
+                accepted="left out: the curve was computed without one",
             )
     point: dict[str, Any] = {
         name: _middle(name, np.asarray(axis)) if asked[name] is None else asked[name]

@@ -134,8 +134,7 @@ class FrictionLaw(Tree):
         for name, values in axes.items():
             if values.ndim != 1 or not values.size:
                 raise InputError(
-                    f"{name} must be a list of one value or more, got an array of "
-                    f"shape {values.shape}."
+                    argument=name, got=values, accepted="a list of one value or more"
                 )
             positive(name, values)
             ascending(name, values)
@@ -144,8 +143,9 @@ class FrictionLaw(Tree):
         shape = tuple(values.size for values in axes.values())
         if self.mu.shape != shape:
             raise InputError(
-                f"mu must have the shape ({', '.join(axes)}) = {shape}, got "
-                f"{self.mu.shape}."
+                argument="mu",
+                got=self.mu,
+                accepted=f"of the shape ({', '.join(axes)}) = {shape}",
             )
         require(
             "mu",
@@ -155,12 +155,13 @@ class FrictionLaw(Tree):
         )
         is_list = isinstance(doubts, (list, tuple))
         if not is_list or not all(isinstance(doubt, Doubt) for doubt in doubts):
-            raise InputError(f"doubts must be a list of Doubt, got {doubts!r:.80}.")
+            raise InputError(argument="doubts", got=doubts, accepted="a list of Doubt")
         for doubt in (doubts := tuple(doubts)):
             if np.shape(doubt.points) != shape:
                 raise InputError(
-                    f"doubts must have points of the shape of mu, {shape}, got "
-                    f"{np.shape(doubt.points)}."
+                    argument="doubts",
+                    got=np.shape(doubt.points),
+                    accepted=f"of points of the shape of mu, {shape}",
                 )
         fill(self, marks=doubts)
 
@@ -209,11 +210,11 @@ class FrictionLaw(Tree):
         for name, value in asked.items():
             if (value is None) == (name in axes):
                 requirement = (
-                    "given: this friction law depends"
+                    "given: this friction law depends on it"
                     if name in axes
-                    else "left out: this friction law does not depend"
+                    else "left out: this friction law does not depend on it"
                 )
-                raise InputError(f"{name} must be {requirement} on it.")
+                raise InputError(argument=name, got=value, accepted=requirement)
         values = {name: as_float64(name, asked[name]) for name in axes}
         shape = broadcast_shape(values)
         corners, inside = [], xp.ones(shape, bool)
@@ -357,7 +358,10 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
         rows = [[cell.strip() for cell in row] for row in csv.reader(lines)]
     except (OSError, ValueError, csv.Error) as error:
         raise InputError(
-            f"path must be a text file that can be read, got {name!r}: {error}."
+            argument="path",
+            got=name,
+            accepted="a text file that can be read",
+            hint=str(error),
         ) from error
     places = {}
     for key, titles in _TITLES.items():
@@ -367,7 +371,10 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
         if len(columns) > 1 or (not columns and key in ("velocity", "mu")):
             got = ", ".join(rows[0]) if rows else "nothing"
             raise InputError(
-                f"path: {name!r} must have one column {titles[0]!r}, got {got}."
+                argument="path",
+                got=name,
+                accepted=f"a table with one column {titles[0]!r}",
+                hint=f"its columns are {got}",
             )
         if columns:
             places[key] = columns[0]
@@ -380,7 +387,9 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
         kinds = [] if named is None else [row[named] for row in rows[1:]]
     except (ValueError, IndexError) as error:
         raise InputError(
-            f"path: {name!r} has a cell that is missing or no number."
+            argument="path",
+            got=name,
+            accepted="a table without cells that are missing or no number",
         ) from error
     try:
         return gridded(points, from_kinds(kinds))
@@ -400,7 +409,9 @@ def gridded(
         np.isfinite(points[name]).all() for name in names
     ):
         raise InputError(
-            f"{', '.join(names)} must be known at every point, and of at least one."
+            argument=names[-1],
+            accepted=f"known at every point, as {', '.join(names)}, and of at least "
+            "one",
         )
     axes, places = zip(
         *(np.unique(points[name], return_inverse=True) for name in names), strict=True
@@ -410,9 +421,13 @@ def gridded(
     np.add.at(count, tuple(places), 1)
     if (count != 1).any():
         raise InputError(
-            f"{', '.join(names)} must fill a grid, every combination once: "
-            f"{' x '.join(map(str, shape))} values, {points['mu'].size} points, "
-            f"{int((count == 0).sum())} missing and {int((count > 1).sum())} repeated."
+            argument=names[-1],
+            got=points[names[-1]],
+            accepted=f"such that {', '.join(names)} fill a grid, every combination "
+            "once",
+            hint=f"{' x '.join(map(str, shape))} values, {points['mu'].size} points, "
+            f"{int((count == 0).sum())} missing and {int((count > 1).sum())} "
+            "repeated",
         )
 
     def on_grid(values: np.ndarray) -> np.ndarray:
@@ -463,14 +478,15 @@ def _write(
     _untraced(law)
     if units not in _LENGTH_UNITS:
         raise InputError(
-            f"units must be 'm' (m, N, Pa) or 'mm' (mm, N, MPa), got {units!r}."
+            argument="units", got=units, accepted="'m' (m, N, Pa) or 'mm' (mm, N, MPa)"
         )
     if not np.isfinite(law.mu).all():
         missing = int((~np.isfinite(law.mu)).sum())
         raise InputError(
-            f"mu must be known at every point of the law, {missing} of "
-            f"{law.mu.size} "
-            "are NaN."
+            argument="mu",
+            got=law.mu,
+            accepted="known at every point of the law",
+            hint=f"{missing} of {law.mu.size} are NaN",
         )
     written, comment = {
         "abaqus": (_abaqus, "** "),

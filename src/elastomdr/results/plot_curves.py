@@ -194,8 +194,10 @@ def as_measured(measured: Measured) -> dict[str, np.ndarray]:
     ):
         got = sorted(measured) if isinstance(measured, Mapping) else repr(measured)
         raise InputError(
-            'measured must be a mapping with "velocity" [m/s], "mu" and, if '
-            f'known, "temperature" [K], got {got}.'
+            argument="measured",
+            got=got,
+            accepted='a mapping with "velocity" [m/s], "mu" and, if known, '
+            '"temperature" [K]',
         )
     points = {
         name: np.atleast_1d(as_float64(f"measured {name}", values))
@@ -213,8 +215,10 @@ def as_measured(measured: Measured) -> dict[str, np.ndarray]:
     if not same:
         shapes = ", ".join(f"{name} {values.shape}" for name, values in points.items())
         raise InputError(
-            "measured values must be lists of the same length, or arrays that "
-            f"broadcast, got {shapes}."
+            argument="measured",
+            got=measured,
+            accepted="lists of the same length, or arrays that broadcast",
+            hint=shapes,
         )
     return {name: values.ravel() for name, values in zip(points, together, strict=True)}
 

@@ -530,14 +530,16 @@ def begin(ask: DrawAsk, panels: Panels | None = None) -> Canvas:
     there. Raises `InputError`.
     """
     if ask.style not in STYLES:
-        raise InputError(f'style must be None or "paper", got {ask.style!r}.')
+        raise InputError(argument="style", got=ask.style, accepted='None or "paper"')
     style, ax = STYLES[ask.style], ask.ax
     if ax is None:
         return _new_canvas(style, panels)
     if not hasattr(ax, "set_xlabel"):
         raise InputError(
-            f"ax must be matplotlib Axes, or None for a new figure, got {ax!r}; a "
-            "style is given as style=."
+            argument="ax",
+            got=ax,
+            accepted="matplotlib Axes, or None for a new figure",
+            hint="a style is given as style=",
         )
     canvas = canvas_of(ax)
     if canvas is None:
@@ -883,9 +885,10 @@ def _joined_label(labels: list[str]) -> str:
     units = {unit_of(label) for label in labels}
     if len(labels) > 1 and len(units) > 1:
         raise InputError(
-            f"ax must have axes with the units of the result, got {labels[-1]!r} on "
-            f"axes of {labels[0]!r}: "
-            "draw it on axes of its own."
+            argument="ax",
+            got=labels[0],
+            accepted=f"with the units of the result, {labels[-1]!r}",
+            hint="draw it on axes of its own",
         )
     (unit,) = units
     words = [label.removesuffix(f" [{unit}]") for label in labels]

@@ -95,7 +95,7 @@ class Uncertainty:
             if part.source == source:
                 return part
         names = ", ".join(part.source for part in self.parts)
-        raise InputError(f"source must be one of {names}, got {source!r}.")
+        raise InputError(argument="source", got=source, accepted=f"one of {names}")
 
     def __iter__(self) -> Iterator[Part]:
         return iter(self.parts)

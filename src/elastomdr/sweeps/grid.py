@@ -177,17 +177,22 @@ def grid(call: object, axes: object, fixed: dict[str, object]) -> Grid:
     """Checks the arguments of a sweep. Raises `InputError`."""
     if not callable(call) or not hasattr(call, "__name__"):
         raise InputError(
-            "call must be em.friction, em.rolling, em.impact or a function like "
-            f"these, got {call!r}."
+            argument="call",
+            got=call,
+            accepted="em.friction, em.rolling, em.impact or a function like these",
         )
     if not isinstance(axes, Mapping) or not axes:
         raise InputError(
-            f"axes must be a dict of one or more names to their values, got {axes!r}."
+            argument="axes",
+            got=axes,
+            accepted="a dict of one or more names to their values",
         )
     arrays = _IMPACT if call.__name__ == "impact" else _STEADY
     for name in axes:
         if name in fixed:
-            raise InputError(f"{name} must be an axis or fixed, got both.")
+            raise InputError(
+                argument=name, got=fixed[name], accepted="an axis or fixed, not both"
+            )
     checked = [
         SweepAxis(str(name), listed, name in arrays and None not in listed)
         for name, values in axes.items()
@@ -218,8 +223,7 @@ def _checked_values(name: str, values: Sequence[object] | np.ndarray) -> list[An
         isinstance(value, list) and not isinstance(value, Draws) for value in listed
     ):
         raise InputError(
-            f"axes[{name!r}] must be a list or an array with one dimension, "
-            f"got {values!r}."
+            argument=axis, got=values, accepted="a list or an array with one dimension"
         )
     untraced(InputError(argument=axis, accepted=accepted), *listed)
     return list(listed)
@@ -230,14 +234,11 @@ def _check_fixed(name: str, value: Any, arrays: tuple[str, ...]) -> None:
     if name in arrays and isinstance(value, (list, tuple)):
         value = as_float64(name, value)
     if name in arrays and np.ndim(value):
-        raise InputError(
-            f"{name} must be one value or an axis, got an array of the shape "
-            f"{np.shape(value)}."
-        )
+        raise InputError(argument=name, got=value, accepted="one value or an axis")
     is_list = isinstance(value, (list, tuple)) and not isinstance(value, Draws)
     if name in ("material", *_BODIES) and is_list:
         raise InputError(
-            f"{name} must be one, draws of one, or an axis, got a list of {len(value)}."
+            argument=name, got=value, accepted="one, draws of one, or an axis"
         )
 
 
@@ -249,8 +250,10 @@ def _check_signature(points: Grid) -> None:
         inspect.signature(points.call).bind(*by_position, **by_name)
     except TypeError as error:
         raise InputError(
-            f"axes and fixed arguments must be those of {points.call.__name__}: "
-            f"{error}."
+            argument="axes",
+            got=[axis.name for axis in points.axes],
+            accepted=f"arguments of {points.call.__name__}, as what is fixed",
+            hint=str(error),
         ) from error
     except ValueError:  # a function that has no signature
         pass
@@ -265,14 +268,17 @@ def _draws(axes: list[SweepAxis], fixed: dict[str, object]) -> list[int]:
     if len(counts) > 1:
         one, other = list(counts.items())[:2]
         raise InputError(
-            f"{other[1]} must have as many draws as {one[1]}, {one[0]}, got {other[0]}."
+            argument=other[1],
+            got=other[0],
+            accepted=f"as many draws as {one[1]}, {one[0]}",
         )
     if counts and any(
         name == _DRAW for name in (*fixed, *(axis.name for axis in axes))
     ):
         raise InputError(
-            f"axes must not have one called {_DRAW!r} beside draws, which make "
-            "that axis."
+            argument="axes",
+            got=_DRAW,
+            accepted=f"without one called {_DRAW!r} beside draws, which make that axis",
         )
     return [i for count in counts for i in range(1, count + 1)]
 

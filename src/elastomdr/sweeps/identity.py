@@ -107,8 +107,10 @@ def packed(given: object) -> bytes:
             Packer(file).dump((given, known))
         except Exception as error:  # of another class with each of them
             raise InputError(
-                "call, axes and fixed arguments must be such that they can be pickled, "
-                f"for other processes: {error}"
+                argument="call",
+                accepted="such, with its axes and fixed arguments, that it can be "
+                "pickled for other processes",
+                hint=str(error),
             ) from error
         finally:
             for module in by_value:
@@ -123,8 +125,10 @@ def unpacked(sent: bytes) -> Any:
         given, modules = pickle.loads(sent)
     except Exception as error:  # of a module that is not there, or of a class
         raise InputError(
-            "call, axes and fixed arguments must be such that the processes that "
-            f"compute can make them again: {type(error).__name__}: {error}."
+            argument="call",
+            accepted="such, with its axes and fixed arguments, that the processes "
+            "that compute can make it again",
+            hint=f"{type(error).__name__}: {error}",
         ) from error
     for name, module in modules.items():
         sys.modules.setdefault(name, module)
@@ -268,7 +272,7 @@ def described(sent: bytes) -> dict[str, Json]:
         told = reader.fields(given) | {"imports": reader.fields(modules)}
     except RecursionError as error:
         raise InputError(
-            "call, axes and fixed arguments must not be nested so deeply."
+            argument="axes", accepted="nested less deeply, as fixed arguments must"
         ) from error
     hidden = {"cloudpickle", _PACKAGE, *(() if reader.code else ("numpy",))}
     installed = {

@@ -126,7 +126,7 @@ def sweep(
     files = _checked_store(store)
     if client is not None and not hasattr(client, "submit"):
         raise InputError(
-            f"client must be a dask.distributed.Client or None, got {client!r}."
+            argument="client", got=client, accepted="a dask.distributed.Client or None"
         )
     asked = grid(call, axes, fixed)
     sent = packed(asked.parts())
@@ -158,7 +158,10 @@ def _checked_store(store: object) -> Files:
     missing = [name for name in _NEEDED if find_spec(name) is None]
     if missing:
         raise InputError(
-            f"em.sweep needs {', '.join(missing)}: pip install elastomdr[sweep]"
+            argument="store",
+            got=store,
+            accepted=f"given where {', '.join(missing)} are installed",
+            hint="pip install elastomdr[sweep]",
         )
     return Files(store)
 
@@ -175,9 +178,10 @@ def _check_installed(process: Process, named: Iterable[str]) -> None:
         ) from error
     if changed := set_here(there):
         raise InputError(
-            "call must not need what was set in an installed package, which the "
-            f"processes that compute do not have: {changed}. Set it within a function "
-            "that is the call."
+            argument="call",
+            accepted="without what was set in an installed package, which the "
+            "processes that compute do not have",
+            hint=f"{changed}; set it within a function that is the call",
         )
 
 
@@ -484,8 +488,9 @@ def compute(
     """
     if version != __version__:
         raise InputError(
-            f"client must have workers with elastomdr {version}, got one with "
-            f"{__version__}."
+            argument="client",
+            got=__version__,
+            accepted=f"with workers of elastomdr {version}",
         )
     _keep_memory()
     shape = tuple(along.stop - along.start for along in chunk)
@@ -523,8 +528,10 @@ def _call(
     for q, values in fields.items():
         if values.shape != expected:
             raise InputError(
-                f"call must give one value per point, {expected}, got {q.key} of the "
-                f"shape {values.shape}."
+                argument="call",
+                got=values.shape,
+                accepted=f"a function that gives one value per point, {expected}, as "
+                f"its {q.key}",
             )
     return result.model, fields
 

@@ -57,8 +57,10 @@ class Files:
             self._root = self.folder.as_posix()
         if not given or not has_name:
             raise InputError(
-                "store must be a folder or a URL with a bucket and a name, such as "
-                f"'s3://bucket/runs.zarr', got {store!r}."
+                argument="store",
+                got=store,
+                accepted="a folder or a URL with a bucket and a name, such as "
+                "'s3://bucket/runs.zarr'",
             )
 
     @property
@@ -87,9 +89,11 @@ class Files:
             raise
         except errors as error:
             raise InputError(
-                f"store {self.place!r} cannot be written: "
-                f"{getattr(error, 'strerror', None) or error}. What was finished is in "
-                "it, and the same call goes on from there."
+                argument="store",
+                got=self.place,
+                accepted="one that can be written",
+                hint=f"{getattr(error, 'strerror', None) or error}; what was finished "
+                "is in it, and the same call goes on from there",
             ) from error
 
     def is_empty(self) -> bool:
@@ -165,8 +169,11 @@ def _opened(url: str) -> tuple[Any, str]:
         return url_to_fs(url, use_listings_cache=False)
     except (ImportError, ValueError) as error:
         raise InputError(
-            "store must be a folder or a URL of a file system that fsspec knows and "
-            f"whose package is installed, got {url!r}: {error}"
+            argument="store",
+            got=url,
+            accepted="a folder or a URL of a file system that fsspec knows and whose "
+            "package is installed",
+            hint=str(error),
         ) from error
 
 
@@ -244,8 +251,10 @@ class Alone:
             return
         except OSError as error:
             raise InputError(
-                "store must be a folder that can be written, got "
-                f"{self._files.place!r}: {error.strerror or error}."
+                argument="store",
+                got=self._files.place,
+                accepted="a folder that can be written",
+                hint=str(error.strerror or error),
             ) from error
         try:
             yield self
@@ -304,4 +313,8 @@ class Alone:
                 self._write(count)
 
     def _in_use(self, by: str) -> InputError:
-        return InputError(f"store {self._files.place!r} is in use by {by}.")
+        return InputError(
+            argument="store",
+            got=self._files.place,
+            accepted=f"in use by nobody else, but {by} writes to it",
+        )

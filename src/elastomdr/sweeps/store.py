@@ -194,8 +194,10 @@ class ZarrStore:
             raise damaged(place, ".zattrs") from error
         if told is not None and (mismatch := difference(told, identity)):
             raise InputError(
-                f"store {place!r} was made with other inputs: {mismatch}. Give "
-                "another store, or remove this one."
+                argument="store",
+                got=place,
+                accepted="made with the same inputs",
+                hint=f"{mismatch}; give another store, or remove this one",
             )
         if told is None and any(
             name.endswith("/.zarray") for name in self.files.names()
@@ -349,8 +351,9 @@ def _json(content: bytes) -> dict[str, Json]:
 
 def _not_ours(place: str) -> InputError:
     return InputError(
-        "store must be a new folder or URL, or one that em.sweep has made, got "
-        f"{place!r}."
+        argument="store",
+        got=place,
+        accepted="a new folder or URL, or one that em.sweep has made",
     )
 
 
@@ -361,6 +364,9 @@ def damaged(place: str, file: str) -> InputError:
     folder = file.rpartition("/")[0]
     remove = f"its folder {folder!r}" if folder else "this store"
     return InputError(
-        f"store {place!r} is damaged: {file!r} is not as em.sweep wrote it. Remove "
-        f"{remove}, and the same call computes it again."
+        argument="store",
+        got=place,
+        accepted="as em.sweep wrote it",
+        hint=f"{file!r} is damaged; remove {remove}, and the same call computes it "
+        "again",
     )

@@ -13,7 +13,6 @@ from __future__ import annotations
 import functools
 import inspect
 import re
-import reprlib
 from collections.abc import Callable, Mapping
 from typing import Any, ParamSpec, TypeVar
 
@@ -229,9 +228,7 @@ def arguments_in_si(
                 if name in defaults:
                     raise _missing(name, defaults[name], inner)
             elif name in flags and type(value).__name__ not in ("bool", "bool_"):
-                raise InputError(
-                    f"{name} must be True or False, got {reprlib.repr(value)}."
-                )
+                raise InputError(argument=name, got=value, accepted="True or False")
             elif type(value) not in _PLAIN and type(value).__module__ != "numpy":
                 carried = _has_unit(name, value) or carried
         if not carried and not any(map(carries_unit, args[len(names) :])):
@@ -248,12 +245,10 @@ def arguments_in_si(
 def _missing(name: str, default: Any, function: Any) -> InputError:
     """What is raised for None where a value is needed."""
     if default is not inspect.Parameter.empty:
-        return InputError(
-            f"{name} must not be None: {default!r} is meant where it is left out."
-        )
+        return InputError(argument=name, got=None, accepted=f"left out for {default!r}")
     unit = _ELSEWHERE.get(f"{function.__qualname__} {name}", UNITS.get(name, ""))
     unit = f" [{unit}]" if unit and isinstance(unit, str) else ""
-    return InputError(f"{name} must be given{unit}, got None.")
+    return InputError(argument=name, got=None, accepted=f"given{unit}")
 
 
 def _has_unit(name: str, value: Any) -> bool:
@@ -261,11 +256,13 @@ def _has_unit(name: str, value: Any) -> bool:
     for what can be read only once.
     """
     if hasattr(type(value), "__next__"):
-        raise InputError(f"{name} must be a list or an array, got {value!r}.")
+        raise InputError(argument=name, got=value, accepted="a list or an array")
     try:
         return carries_unit(value)
     except RecursionError as error:
-        raise InputError(f"{name} must not be a list that holds itself.") from error
+        raise InputError(
+            argument=name, got=value, accepted="a list that does not hold itself"
+        ) from error
 
 
 def number_in_si(
@@ -294,7 +291,9 @@ def number_in_si(
 def _plain_key(name: str, key: Any) -> Any:
     if carries_unit(key):
         raise InputError(
-            f"{name} must have plain numbers in SI units as its keys, got {key}."
+            argument=name,
+            got=key,
+            accepted="a mapping whose keys are plain numbers in SI units",
         )
     return key
 
@@ -317,8 +316,9 @@ def _of_power_law(exponent: Any) -> str:
     """Of c in f = c r^n, which is a length."""
     if not isinstance(exponent, (int, float)):
         raise InputError(
-            "exponent must be a plain number where coefficient has a unit, got "
-            f"{exponent!r}."
+            argument="exponent",
+            got=exponent,
+            accepted="a plain number where coefficient has a unit",
         )
     power = 1 - exponent
     return f"m^{power:.12g}" if power >= 0 else f"1/m^{-power:.12g}"
@@ -334,8 +334,10 @@ def _of_load(of: Mapping[str, Any]) -> str:
     units = {getattr(body, "load_unit", "N") for body in listed}
     if len(units) > 1:
         raise InputError(
-            "load must be a plain number where shape is a list of bodies [N] and "
-            "of rough surfaces [N/m]."
+            argument="load",
+            got=of.get("load"),
+            accepted="a plain number where shape is a list of bodies [N] and of "
+            "rough surfaces [N/m]",
         )
     return units.pop()
 
@@ -356,9 +358,9 @@ def _converted(name: str, value: Any, unit: Any) -> Any:
             return number
     hint = ""
     if name == "viscosity" and quantity.check("[length]**2/[time]"):
-        hint = " A kinematic viscosity times the density of the fluid is a dynamic one."
+        hint = "A kinematic viscosity times the density of the fluid is a dynamic one."
     raise InputError(
-        f"{name} must be {_in_words(accepted)}, got {_brief(quantity)}.{hint}"
+        argument=name, got=quantity, accepted=_in_words(accepted), hint=hint
     )
 
 
@@ -379,9 +381,11 @@ def _quantity(name: str, value: Any) -> Any:
         return value.data
     if not hasattr(type(value), "attrs"):
         raise InputError(
-            f"{name} must be a plain number in SI units or a quantity of pint, got a "
-            f"{type(value).__name__} of {type(value).__module__.partition('.')[0]}, "
-            "whose units are not known here."
+            argument=name,
+            got=value,
+            accepted="a plain number in SI units or a quantity of pint",
+            hint=f"units of {type(value).__module__.partition('.')[0]} are not known "
+            "here",
         )
     import numpy as np
 
@@ -391,8 +395,10 @@ def _quantity(name: str, value: Any) -> Any:
     quantity = quantity_of(np.asarray(value), unit)
     if quantity is None:
         raise InputError(
-            f"{name} must have a unit that is known in its attrs['units'], got "
-            f"{unit!r}."
+            argument=name,
+            got=value,
+            accepted="a quantity whose attrs['units'] are known",
+            hint=f"they are {unit!r}",
         )
     return quantity
 
@@ -423,9 +429,3 @@ def _in_words(accepted: Any) -> str:
     if "" in accepted:
         return "a number without a unit"
     return f"in {' or '.join(accepted)}, or in a unit that can be converted to it"
-
-
-def _brief(quantity: Any) -> str:
-    units = quantity.units
-    shape = getattr(quantity.magnitude, "shape", ())
-    return f"an array of shape {shape} in {units}" if shape else str(quantity)
