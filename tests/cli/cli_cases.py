@@ -47,7 +47,7 @@ reference = 293.15
 BAD_SCENES = {
     "model of a surface": (
         ('"line"', '"persson"'),
-        'got "persson"',
+        "[contact] model must be",
     ),
     "unknown key": (('title = "Slider"', 'titel = "Slider"'), "Did you mean 'title'"),
     "unknown table": (("[numerics]", "[numeric]"), "Did you mean 'numerics'"),
