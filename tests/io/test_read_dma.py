@@ -955,7 +955,7 @@ def test_arrays_and_joining(tmp_path):
             lambda: em.fit.Dma(
                 np.full(3, 293.15), np.ones(3), np.ones(2), np.ones(3), "shear"
             ),
-            "3, got 2",
+            "3, got",
         ),
         (
             lambda: em.fit.Dma(

@@ -321,14 +321,14 @@ def test_scene(tmp_path, capsys):
     )
     for keys, message in (
         ('file = "road.csv"', "convention must be one of 2d,"),
-        ('convention = "2d"', "must have one of q, file"),
+        ('convention = "2d"', "q must be given, or file"),
         (
             'convention = "2d"\nq = [1.0, 2.0]\nc = [1.0, 1.0]\nfile = "road.csv"',
             "got q and file",
         ),
         (
             'convention = "2d"\nq = [1.0, 2.0]\nc = [1.0, 1.0]\nshortest = "1 mm"',
-            "got shortest",
+            "shortest must be left out",
         ),
         ('convention = "2d"\nfile = "none.csv"', "none.csv"),
         (

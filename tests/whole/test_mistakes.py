@@ -70,7 +70,7 @@ MISTAKES = {
     "no name": (
         '"tread-passenger-synthetic"',
         '"compound"',
-        'a file beside the scene: write "compound.toml"',
+        '"compound.toml" beside the scene',
     ),
 }
 
@@ -145,7 +145,7 @@ def test_material_that_is_not_there():
 
 
 def test_pressure_on_a_ball():
-    with refused("", "pressure=300000", "load="):
+    with refused("pressure", 300000, "load"):
         em.friction(
             em.load_material("nbr-linder"), em.Sphere(5e-3), velocity=0.01, pressure=3e5
         )
@@ -176,14 +176,14 @@ def test_scenes_to_start_from(kind, capsys):
     assert main(command[1:]) == 0
     assert "not converged" not in capsys.readouterr().out
     assert main(["init", "mine.toml"]) == 2
-    assert "exists already" in capsys.readouterr().err
+    assert "this one exists" in capsys.readouterr().err
 
 
 def test_scene_to_start_from_by_its_own_name(capsys):
     assert main(["init"]) == 0
     assert "slider.toml" in capsys.readouterr().out
     assert main(["init", "mine.txt"]) == 2
-    assert "must end in .toml" in capsys.readouterr().err
+    assert "ends in .toml" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
