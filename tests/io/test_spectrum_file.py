@@ -324,7 +324,7 @@ def test_scene(tmp_path, capsys):
         ('convention = "2d"', "q must be given, or file"),
         (
             'convention = "2d"\nq = [1.0, 2.0]\nc = [1.0, 1.0]\nfile = "road.csv"',
-            "got q and file",
+            "file must be left out where q is given",
         ),
         (
             'convention = "2d"\nq = [1.0, 2.0]\nc = [1.0, 1.0]\nshortest = "1 mm"',
