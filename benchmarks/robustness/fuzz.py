@@ -277,6 +277,8 @@ def page(argv: list[str]) -> int:
                 print("elastomdr: error:", error, file=sys.stderr)
                 if "\n" in str(error):
                     raise ValueError("not one line") from error
+                if not (error.argument and error.accepted):
+                    raise ValueError("no argument, or nothing is accepted") from error
             except Sound:
                 pass
         if any(

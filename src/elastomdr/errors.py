@@ -11,7 +11,7 @@ import reprlib
 import shlex
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextvars import ContextVar
 from typing import NamedTuple
 
@@ -73,10 +73,11 @@ class InputError(ValueError):
         """
         rest = self.rest
         if not rest:
-            hint = self.hint if advice is None else told(self.hint, advice)
+            hint = told(self.hint, shown, advice)
+            accepted = told(self.accepted, shown, advice)
             ends = f". {hint.strip()}" if hint.endswith(("?", ".")) else f": {hint}."
             got = f", got {(shown or written)(self.got)}" if self.tells_got else ""
-            rest = f" must be {self.accepted}{got}{ends if hint else '.'}"
+            rest = f" must be {accepted}{got}{ends if hint else '.'}"
         between = "" if rest.startswith((" ", ":")) else " "
         places = (
             f"{called(argument) if argument else ''} {place}".strip()
@@ -123,6 +124,8 @@ def written(value: object) -> str:
     shape = getattr(value, "shape", None)
     if isinstance(value, float):
         return f"{value:g}"
+    if hasattr(value, "in_python"):  # a model
+        return f"em.{value.in_python()}"  # pyright: ignore[reportAttributeAccessIssue]
     if isinstance(shape, tuple) and hasattr(value, "dtype"):
         if sum(shape) > _MOST or len(shape) > 1:
             return f"an array of the shape {shape}"
@@ -164,52 +167,70 @@ Options = Mapping[str, str | list[str]]  # of the command line
 
 
 class Advised(str):
-    """A text with advice in it, such as "temperature=293.15 (--temperature 20degC)"; its
-    parts are texts, and the options of the command line that an advice gives. What is
-    added to it is a part, too.
+    """A text in parts: of each what Python says, and the data that the command line and
+    the page have other words for, such as options (`advise`) or a model.
     """
 
-    parts: tuple[str | Options, ...]
+    parts: tuple[tuple[str, object], ...]
 
     @classmethod
-    def of(cls, said: str, *parts: str | Options) -> Advised:
-        self = cls(said)
+    def of(cls, *parts: tuple[str, object]) -> Advised:
+        self = cls("".join(said for said, _ in parts))
         self.parts = parts
         return self
 
     def __add__(self, other: str) -> Advised:
-        return Advised.of(f"{self}{other}", *self.parts, *_parts(other))
+        return Advised.of(*self.parts, *_parts(other))
 
     def __radd__(self, other: str) -> Advised:
-        return Advised.of(f"{other}{self}", *_parts(other), *self.parts)
+        return Advised.of(*_parts(other), *self.parts)
 
 
-def _parts(text: str) -> tuple[str | Options, ...]:
-    return text.parts if isinstance(text, Advised) else (text,)
+def _parts(text: str) -> tuple[tuple[str, object], ...]:
+    return text.parts if isinstance(text, Advised) else ((text, None),)
 
 
 def advise(python: str, options: Options) -> Advised:
-    """Arguments to give, for a sentence: in Python, and as options of the command line.
-    Sentences are added to it, since an f-string would make a plain text of it.
+    """Arguments to give, for a sentence: in Python, and as options of the command line,
+    such as "temperature=293.15 (--temperature 20degC)". Sentences are added to it,
+    since an f-string would make a plain text of it.
     """
     shell = " ".join(
         f"--{name.replace('_', '-')} {shlex.quote(value) if value else ''}".strip()
         for name, values in options.items()
         for value in ([values] if isinstance(values, str) else values)
     )
-    return Advised.of(f"{python} ({shell})", options)
+    return Advised.of((f"{python} ({shell})", options))
 
 
-def told(text: str, written: Callable[[Options], str]) -> str:
-    """A text whose advices are as `written` gives their options."""
-    return "".join(
-        part if isinstance(part, str) else written(part) for part in _parts(text)
-    )
+def told(
+    text: str,
+    shown: Callable[[object], str] | None = None,
+    advice: Callable[[Options], str] | None = None,
+) -> str:
+    """A text whose values are as `shown` writes them, and whose advices as `advice`
+    writes their options.
+    """
+
+    def part(said: str, data: object) -> str:
+        if isinstance(data, Mapping):
+            return advice(data) if advice else said
+        return said if data is None or shown is None else shown(data)
+
+    return "".join(part(said, data) for said, data in _parts(text))
 
 
 def advised(text: str) -> list[Options]:
     """The options that a text advises to give, in order."""
-    return [part for part in _parts(text) if not isinstance(part, str)]
+    return [data for _, data in _parts(text) if isinstance(data, Mapping)]
+
+
+def either(ways: Sequence[str]) -> str:
+    """Several of which one is enough, in words."""
+    *others, last = ways
+    for i, way in enumerate(reversed(others)):
+        last = way + (", " if i else " or ") + last
+    return last
 
 
 def closest(word: str, valid: Iterable[str]) -> str:

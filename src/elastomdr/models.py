@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from .checks import is_whole
-from .errors import InputError, closest
+from .errors import Advised, InputError, closest, either
 from .units.arguments import constructor_in_si
 
 if TYPE_CHECKING:
@@ -33,6 +33,18 @@ class Model:
     on_line: ClassVar[bool] = False
     over_directions: ClassVar[bool] = False
     corrected: bool = False
+
+    def options(self) -> dict[str, object]:
+        """The options that are not those by default."""
+        fields = dataclasses.fields(self)  # pyright: ignore[reportArgumentType]
+        given = {field.name: getattr(self, field.name) for field in fields}
+        return {f.name: given[f.name] for f in fields if given[f.name] != f.default}
+
+    def in_python(self) -> str:
+        options = ", ".join(
+            f"{name}={value!r}" for name, value in self.options().items()
+        )
+        return f"{type(self).__name__}({options})"
 
 
 @constructor_in_si
@@ -104,6 +116,13 @@ class Line(Model):
         seeds_of(self.seeds)
 
 
+def named(*models: Model) -> str:
+    """Models of which one is accepted, for an `InputError`: "em.Averaged() or
+    em.Line()", of which scenes and the page say the names.
+    """
+    return either([Advised.of((f"em.{model.in_python()}", model)) for model in models])
+
+
 KINDS: dict[str, type[Model]] = {kind.label: kind for kind in (Averaged, Line)}
 
 
@@ -117,11 +136,12 @@ def as_model(
         return model
     if isinstance(model, str) and model in kinds:
         return kinds[model]()
-    listed = ", ".join(
-        f"em.{kind.__name__}() or {name!r}" for name, kind in kinds.items()
+    raise InputError(
+        argument="model",
+        got=model,
+        accepted=named(*(kind() for kind in kinds.values())) + ", or the name of one",
+        hint=closest(model, kinds) if isinstance(model, str) else "",
     )
-    hint = closest(model, kinds) if isinstance(model, str) else ""
-    raise InputError(argument="model", got=model, accepted=listed, hint=hint)
 
 
 def seeds_of(seeds: int | Sequence[int]) -> tuple[int, ...]:

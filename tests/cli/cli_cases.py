@@ -47,7 +47,7 @@ reference = 293.15
 BAD_SCENES = {
     "model of a surface": (
         ('"line"', '"persson"'),
-        "[contact] model must be",
+        'model must be "averaged", "line" or "half-space" for a paraboloid, got "persson"',
     ),
     "unknown key": (('title = "Slider"', 'titel = "Slider"'), "Did you mean 'title'"),
     "unknown table": (("[numerics]", "[numeric]"), "Did you mean 'numerics'"),
@@ -69,7 +69,7 @@ BAD_SCENES = {
     ),
     "average of a smooth body": (
         ('"line"', '"line"\naverage = true'),
-        "corrected",
+        '"averaged" with corrected = false',
     ),
     "a model of surfaces": (
         ('"line"', '"multiscale"'),

@@ -342,7 +342,7 @@ def _options(options: Options) -> str:
 
 def spoken(message: str) -> str:
     """A message without what is said to users of Python and of the command line."""
-    message = told(message, _options)
+    message = told(message, shown, _options)
     message = message.replace(" beside the scene", " that was dropped here")
     said: list[str] = []
     depth = 0  # of the parentheses that are left out

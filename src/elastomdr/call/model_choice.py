@@ -5,7 +5,7 @@ default of the shape; of surfaces see `verbs/roads.py`.
 from typing import TypeGuard
 
 from ..errors import InputError
-from ..models import Averaged, Line, Model, as_model
+from ..models import Averaged, Line, Model, as_model, named
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
 
@@ -57,7 +57,7 @@ def of_smooth(model: Model | str | None, quantity: str, label: str) -> Averaged 
     raise InputError(
         argument="model",
         got=model,
-        accepted=f"em.Averaged() or em.Line() for {quantity} of a {label}",
+        accepted=named(Averaged(), Line()) + f" for {quantity} of a {label}",
     )
 
 
@@ -78,8 +78,8 @@ def _bare(model: Line, label: str) -> Line:
         raise InputError(
             argument="model",
             got=model,
-            accepted="em.Averaged(corrected=False) for the line averaged over "
-            f"directions of a {label}",
+            accepted=named(Averaged(corrected=False))
+            + f" for the line averaged over directions of a {label}",
             hint="average=True of em.Line is for rough lines and surfaces",
         )
     default = Line()

@@ -2,7 +2,6 @@
 file's schema; SI numbers inside.
 """
 
-import dataclasses
 import math
 import re
 from collections.abc import Mapping
@@ -350,14 +349,10 @@ def shown(value: object) -> str:
         return written(value)
     from ..models import Model
 
-    if not isinstance(value, Model) or not dataclasses.is_dataclass(value):
+    if not isinstance(value, Model):
         return written(value)
-    options = ", ".join(
-        f"{field.name} = {shown(getattr(value, field.name))}"
-        for field in dataclasses.fields(value)
-        if getattr(value, field.name) != field.default
-    )
-    return f'"{value.label}"' + (f" with {options}" if options else "")
+    options = (f"{name} = {shown(one)}" for name, one in value.options().items())
+    return " with ".join(filter(None, [f'"{value.label}"', ", ".join(options)]))
 
 
 def _by_pint(number: float, unit: str, kind: type[SceneQuantity]) -> float:
@@ -374,7 +369,7 @@ def _by_pint(number: float, unit: str, kind: type[SceneQuantity]) -> float:
         known = f"usual units are {', '.join(usual)}" if usual else ""
         raise InputError(
             argument=VALUE,
-            got=f"{number} {unit}",
+            got=f"{number:g} {unit}",
             accepted=f'with a unit that is known, as in "{kind.example}"',
             hint=closest(unit, usual).strip() or known,
         ) from error
@@ -384,7 +379,7 @@ def _by_pint(number: float, unit: str, kind: type[SceneQuantity]) -> float:
     ).startswith("delta_"):
         raise InputError(
             argument=VALUE,
-            got=f"{number} {unit}",
+            got=f"{number:g} {unit}",
             accepted=f'{kind.what}, such as "{kind.example}"',
             hint=f"its unit is {parsed}",
         )

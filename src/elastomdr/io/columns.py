@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InputError, advise, closest
+from ..errors import InputError, advise, closest, either
 from ..units.registry import KINDS, is_unit, to_si, usual
 from .sheets import number, read_sheet
 from .tables import (
@@ -788,9 +788,3 @@ def missing(recognised: Sequence[str], table: TitledTable) -> str:
         + ", with 'N [UNIT]' where the title has no unit; a number for all rows is "
         "given as '10 Hz'"
     )
-
-
-def either(ways: Sequence[str]) -> str:
-    """Ways to give something, for a hint."""
-    first, *others = ways
-    return functools.reduce(lambda said, way: said + " or " + way, others, first)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..checks import in_si, one_of, plain, positive
-from ..errors import InputError, advise, typed_as, warn
+from ..errors import InputError, advise, either, typed_as, warn
 from .columns import (
     NUMBERS,
     Column,
@@ -19,7 +19,6 @@ from .columns import (
     check_columns,
     checked_units,
     choose,
-    either,
     left_out,
     measured,
     missing,

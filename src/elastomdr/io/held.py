@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..errors import InputError, advise
+from ..errors import InputError, advise, either
 from ..units.registry import KINDS, to_si
-from .columns import LOGS, Column, either, naming, understand, unit_of
+from .columns import LOGS, Column, naming, understand, unit_of
 from .quantities import QUANTITIES
 from .tables import TitledTable, titled_unit
 

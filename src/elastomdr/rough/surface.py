@@ -33,6 +33,7 @@ from ..element.law import Foundation, TabulatedFoundation, surface_foundation
 from ..errors import InputError
 from ..material.shift import thermal_factors
 from ..material.validity import Range, misfit
+from ..models import named
 from ..results.base import WIDE
 from ..results.curve import FrictionCurve
 from ..results.doubts import Doubt, where
@@ -47,7 +48,7 @@ from .heat import NO_STATE, Heat, check_heat, why_no_state
 from .local_modulus import Local, SoftenedByScale
 from .problem import RoughCall, strained_beyond
 from .road_model import RoadProblem, SurfaceFriction, SurfaceModel, WaveByWave
-from .road_models import Multiscale
+from .road_models import HalfSpace, Multiscale, Persson
 
 if TYPE_CHECKING:
     from .._types import Number
@@ -264,7 +265,7 @@ def _solve(
         raise InputError(
             argument="model",
             got=model,
-            accepted="em.Multiscale() or em.Persson() for heat with adhesion",
+            accepted=named(Multiscale(), Persson()) + " for heat with adhesion",
         )
     return _heated(call, call.heat, model, scene, answer)
 
@@ -818,7 +819,7 @@ def _check(
         raise InputError(
             argument="direction",
             got=asked.direction,
-            accepted="left out without em.Multiscale(), em.Persson() or em.HalfSpace()",
+            accepted="left out without " + named(Multiscale(), Persson(), HalfSpace()),
         )
     check_heat(
         heat,

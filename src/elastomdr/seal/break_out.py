@@ -31,7 +31,7 @@ from ..checks import (
 )
 from ..element.law import Foundation
 from ..errors import InputError
-from ..models import Model, as_model
+from ..models import Model, as_model, named
 from ..results.base import Array, Result, quantity, record
 from ..results.words import given_in_words, span
 from ..rough.adhesion import KNOWN_AREA, MOST_SHEAR, AdhesiveShear, shear_law
@@ -176,7 +176,7 @@ def break_out(
         raise InputError(
             argument="model",
             got=chosen,
-            accepted="em.Multiscale() or em.Persson() for a break-out",
+            accepted=named(Multiscale(), Persson()) + " for a break-out",
         )
     shear = shear_law(boundary_shear, temperature)
     arrays = positive_arrays(

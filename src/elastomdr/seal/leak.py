@@ -41,7 +41,7 @@ from ..checks import (
 from ..element.law import Foundation
 from ..errors import InputError
 from ..material.validity import material_in_words
-from ..models import Model, as_model, seeds_of
+from ..models import Model, as_model, named, seeds_of
 from ..results.base import WIDE, Array, Result, quantity, record, setting
 from ..results.doubts import Doubt, carried
 from ..results.words import (
@@ -307,8 +307,7 @@ def _channels(model: Model | str | None) -> Channels:
         raise InputError(
             argument="model",
             got=chosen,
-            accepted="em.Multiscale(), em.CriticalConstriction(), "
-            "em.EffectiveMedium() or em.HalfSpace() for a leak",
+            accepted=named(*(kind() for kind in _CHANNELS)) + " for a leak",
         )
     return _CHANNELS[type(chosen)](chosen)
 

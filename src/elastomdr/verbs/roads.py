@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ..call.model_choice import of_smooth
 from ..call.problem import Asked
 from ..errors import InputError, ModelWarning, warn
-from ..models import Averaged, Line, Model, as_model
+from ..models import Averaged, Line, Model, as_model, named
 from ..rough.adhesion import no_area
 from ..rough.road_model import SurfaceModel
 from ..rough.road_models import HalfSpace, Multiscale, Persson
@@ -52,7 +52,7 @@ def cells_of_body(model: Model | str | None, quantity: str, label: str) -> int |
         raise InputError(
             argument="model",
             got=model,
-            accepted=f"em.Averaged(), em.Line() or em.HalfSpace() for a {label}",
+            accepted=named(Averaged(), Line(), HalfSpace()) + f" for a {label}",
         )
     if model.seeds != 1 or model.periods is not None:
         raise InputError(
@@ -90,18 +90,21 @@ def of_rough(
             argument="model",
             got=model,
             accepted="one of a rough line or surface",
-            hint="use em.Line(average=True) for the line averaged over directions, "
-            "or em.Multiscale() for a surface under a pressure",
+            hint="use "
+            + named(Line(average=True))
+            + " for the line averaged over directions, or "
+            + named(Multiscale())
+            + " for a surface under a pressure",
         )
     if isinstance(surface, RoughLine):
         raise InputError(
-            argument="model", got=model, accepted="em.Line() for an em.RoughLine"
+            argument="model", got=model, accepted=named(Line()) + " for a rough line"
         )
     if pressure is None:
         raise InputError(
             argument="model",
             got=model,
-            accepted="em.Line() for a surface without a pressure",
+            accepted=named(Line()) + " for a surface without a pressure",
         )
     if not isinstance(model, SurfaceModel):
         raise InputError(argument="model", got=model, accepted="one of friction")
@@ -164,9 +167,10 @@ def _refuse(model: Line, call: RoughCall) -> None:
         raise InputError(
             argument="direction",
             got=call.asked.direction,
-            accepted="left out with em.Line()",
-            hint="it needs em.Multiscale(), em.Persson() or em.HalfSpace() and a "
-            "surface under a pressure",
+            accepted="left out with " + named(Line()),
+            hint="it needs "
+            + named(Multiscale(), Persson(), HalfSpace())
+            + " and a surface under a pressure",
         )
 
 
