@@ -44,12 +44,13 @@ def test_a_lay_of_peklenik_number_one_is_none():
     at = {"velocity": [1e-2, 1.0], "pressure": 1e5}
     for model in (em.Multiscale(), em.Persson()):
         plain = em.friction(SOLID, ROAD, **at, model=model)
-        turned, nearly = (
-            em.friction(SOLID, ground(g), **at, model=model, direction=0.4)
-            for g in (1.0, 1 + 1e-9)
+        turned, nearly, mean = (
+            em.friction(SOLID, ground(g), **at, model=model, direction=direction)
+            for g, direction in ((1.0, 0.4), (1 + 1e-9, 0.4), (1.0, None))
         )
         for name in ("mu", "area_ratio", "error", "model_error"):
-            np.testing.assert_array_equal(getattr(turned, name), getattr(plain, name))
+            for one in (turned, mean):
+                np.testing.assert_array_equal(getattr(one, name), getattr(plain, name))
         np.testing.assert_allclose(nearly.mu, plain.mu, rtol=2e-6)
         np.testing.assert_allclose(nearly.area_ratio, plain.area_ratio, rtol=2e-6)
     np.testing.assert_array_equal(turned.direction, [0.4, 0.4])

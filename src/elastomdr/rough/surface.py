@@ -334,12 +334,11 @@ def _heated_by_scale(
     heated = model.solve(problem)
     good = heated.good & answer.cold.good & by_scale.good
     heated = heated._replace(error=heated.error + by_scale.error, good=good)
-    answer = answer._replace(hot=heated, problem=problem, by_scale=by_scale)
-    if scene.traced:
-        return answer
     factor, _ = thermal_factors(foundation, temperature + by_scale.contact)
     reduced = scene.full(scene.velocity) * factor.reshape(scene.shape)
-    return answer._replace(reduced=reduced)
+    return answer._replace(
+        hot=heated, problem=problem, by_scale=by_scale, reduced=reduced
+    )
 
 
 def _outside(
@@ -700,7 +699,8 @@ def _turned(scene: SteadyScene, model: SurfaceModel, answer: _Answer) -> _Turned
     words = "none is given: the mean over directions"
     if scene.direction is not None:
         words = f"{brief(scene.direction, 'rad')} to the lay (0: along it)"
-    exact = scene.direction is not None and not known(lay.error).any()
+    alike = scene.direction is not None or not known(lay.log_peklenik).any()
+    exact = alike and not known(lay.error).any()
     if exact or model.on_map(surface) or not model.takes_direction:
         return _Turned(0.0, 0.0, [("direction", words)])
     if scene.traced:
