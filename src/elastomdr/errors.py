@@ -122,14 +122,14 @@ def written(value: object) -> str:
     if units is not None and (number := getattr(value, "magnitude", None)) is not None:
         return f"{written(number)} {units}"
     shape = getattr(value, "shape", None)
-    if isinstance(value, float):
-        return f"{value:g}"
     if hasattr(value, "in_python"):  # a model
         return f"em.{value.in_python()}"  # pyright: ignore[reportAttributeAccessIssue]
     if isinstance(shape, tuple) and hasattr(value, "dtype"):
         if sum(shape) > _MOST or len(shape) > 1:
             return f"an array of the shape {shape}"
         value = getattr(value, "tolist", lambda: value)()
+    if isinstance(value, float):
+        return f"{value:g}"
     value = str(value) if isinstance(value, os.PathLike) else value
     return " ".join(_BRIEF.repr(value).split())
 

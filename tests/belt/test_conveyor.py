@@ -210,7 +210,7 @@ def test_refusals(change, words):
     [
         ({"cover": RUBBER}, ("cover", "layer")),
         ({"roll": em.Sphere(0.1)}, ("roll", "em.Cylinder")),
-        ({"shares": [0.5, 0.4]}, ("sum of the shares", 1)),
+        ({"shares": [0.5, 0.4]}, ("shares", 1, 0.9)),
         ({"shares": [1.5, -0.5]}, ("shares", "positive")),
         ({"shares": 1.0}, ("shares", "each roll")),
         ({"spacing": 0.0}, ("spacing", "positive")),

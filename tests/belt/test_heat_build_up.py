@@ -235,7 +235,7 @@ def test_rubber_too_cold_to_be_known():
         ({"hottest": None}, ("hottest",)),
         ({"hottest": 280.0}, ("ambient", "below hottest")),
         ({"conductance": 0.0}, ("conductance", "positive")),
-        ({"time": [0.0, 1.0]}, ("", "capacity belong together")),
+        ({"time": [0.0, 1.0]}, ("capacity", "time")),
         ({"capacity": 1.0, "time": [1.0, 0.5]}, ("time", "ascending")),
         ({"conductance": [1.0, 2.0]}, ("", "broadcast")),
     ],

@@ -116,7 +116,10 @@ BAD_WARMINGS = {
     ),
     "conductance without a unit": (('"20 W/K"', "20"), "with its unit"),
     "a conductivity": (('"20 W/K"', '"20 W/(m*K)"'), "a thermal conductance"),
-    "duration alone": (("hottest", 'duration = "1 h"\nhottest'), "belong together"),
+    "duration alone": (
+        ("hottest", 'duration = "1 h"\nhottest'),
+        "belong together",
+    ),
     "half a point": (
         ("hottest", 'duration = "1 h"\ncapacity = "1 kJ/K"\npoints = 2.5\nhottest'),
         "points",
@@ -176,7 +179,7 @@ BAD_BELTS = {
     ),
     "shares that are not one": (
         ("0.6", "0.5"),
-        "[conveyor] sum of the shares must be 1",
+        "[conveyor] shares must be 1",
     ),
     "shares as a text": (("[0.2, 0.6, 0.2]", '"a fifth"'), "list of numbers"),
     "a load": (

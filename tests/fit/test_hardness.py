@@ -61,8 +61,8 @@ def test_like_a_material_that_is_known_elsewhere_only():
 
 def test_refusals():
     for shore, like, said in (
-        (95, "sbr-gum-like", "between 20 and 90"),
-        (60, "nothing", "nothing"),
+        (95, "sbr-gum-like", "shore_a must be 20 to 90"),
+        (60, "nothing", "like must be in the library"),
     ):
         with pytest.raises(em.InputError, match=said):
             em.fit.from_hardness(shore, like=like)

@@ -85,11 +85,13 @@ class Idlers(Tree):
             or getattr(cover, "per_area", None) is False
         ):
             raise InputError(
-                f"cover must be a layer, em.layer(rubber, thickness), got {cover!r}."
+                argument="cover",
+                got=cover,
+                accepted="a layer, em.layer(rubber, thickness)",
             )
         if not isinstance(roll, Cylinder):
             raise InputError(
-                f"roll must be an em.Cylinder(radius, length), got {roll!r}."
+                argument="roll", got=roll, accepted="an em.Cylinder(radius, length)"
             )
         fill(self, cover=cover, roll=roll)
         fill(
@@ -100,13 +102,15 @@ class Idlers(Tree):
         positive("spacing", self.spacing)
         if self.shares.ndim != 1 or not self.shares.size:
             raise InputError(
-                f"shares must be a list with one share for each roll, got {shares!r}."
+                argument="shares",
+                got=shares,
+                accepted="a list with one share for each roll",
             )
         positive("shares", self.shares)
         require(
-            "sum of the shares",
+            "shares",
             self.shares.sum(),
-            "1",
+            "1 in sum",
             lambda x: abs(x - 1) < _SUM_TOLERANCE,
         )
 
@@ -249,7 +253,7 @@ def conveyor(
     for name, side in (("carry", carry), ("back", back)):
         if not isinstance(side, Idlers):
             raise InputError(
-                f"{name} must be em.Idlers(cover, roll, spacing=...), got {side!r}."
+                argument=name, got=side, accepted="em.Idlers(cover, roll, spacing=...)"
             )
     given = _check(velocity, belt, goods, temperature, gravity)
     points = _ConveyorGiven(**broadcast(given._asdict()))

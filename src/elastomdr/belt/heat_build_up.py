@@ -254,8 +254,9 @@ def heat_build_up(
     )
     if foundation.shift is None:
         raise InputError(
-            "material must have a shift law for heat build-up, got "
-            f"{foundation.name or 'one without'}."
+            argument="material",
+            got=foundation.name or foundation,
+            accepted="one with a shift law for heat build-up",
         )
     given = _check(velocity, load, ambient, conductance, capacity, time)
     highest = _highest_temperature(foundation, hottest, given.ambient)
@@ -285,8 +286,10 @@ def _check(
 ) -> _HeatGiven:
     """Raises `InputError`."""
     if (time is None) != (capacity is None):
+        name = "time" if time is None else "capacity"
         raise InputError(
-            "time and capacity belong together: give both for the history, or neither."
+            argument=name,
+            accepted="given for the history, or neither of time and capacity",
         )
     return _HeatGiven(
         **positive_arrays(
@@ -308,8 +311,9 @@ def _highest_temperature(
     if hottest is None:
         if foundation.range is None or foundation.range.temperature is None:
             raise InputError(
-                "hottest must be given [K]: the material does not say up to which "
-                "temperature it holds."
+                argument="hottest",
+                accepted="given [K]",
+                hint="the material does not say up to which temperature it holds",
             )
         hottest = foundation.range.temperature[1]
     highest = plain("hottest", hottest)
@@ -414,7 +418,7 @@ def _with_history(
     instants = as_float64("time", time)
     if instants.ndim != 1:
         raise InputError(
-            f"time must be a list of instants, got shape {instants.shape}."
+            argument="time", got=instants.shape, accepted="a list of instants"
         )
     ascending("time", instants)
     not_negative("time", instants)

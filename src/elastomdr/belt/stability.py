@@ -294,7 +294,9 @@ def _checked_mount(mount: object) -> tuple[Array, Array, Array]:
     """Mass, stiffness and damping. Raises `InputError`."""
     if not isinstance(mount, Mount):
         raise InputError(
-            f"mount must be an em.Mount(mass, stiffness, damping), got {mount!r}."
+            argument="mount",
+            got=mount,
+            accepted="an em.Mount(mass, stiffness, damping)",
         )
     mass, stiffness, damping = (
         scalar(f"mount {name}", getattr(mount, name))
@@ -311,20 +313,21 @@ def _checked_curve(velocity: ArrayLike | None, force: ArrayLike) -> tuple[Array,
     v, friction = as_float64("velocity", velocity), as_float64("force", force)
     if v.ndim != 1 or v.size < 3:
         raise InputError(
-            "velocity must be a list of three values or more, got an array of shape "
-            f"{v.shape}."
+            argument="velocity", got=v.shape, accepted="a list of three values or more"
         )
     positive("velocity", v)
     ascending("velocity", v)
     if friction.ndim < 1 or friction.shape[-1] != v.size:
         raise InputError(
-            f"force must have one value for each of the {v.size} velocities, got "
-            f"shape {friction.shape}."
+            argument="force",
+            got=friction.shape,
+            accepted=f"of one value for each of the {v.size} velocities",
         )
     if certain(lambda x: np.isinf(x).any(), friction):
         raise InputError(
-            "force must be finite, or NaN where it is not known, got "
-            f"{friction[np.isinf(friction)][0]:g}."
+            argument="force",
+            got=float(friction[np.isinf(friction)][0]),
+            accepted="finite, or NaN where it is not known",
         )
     return v, friction
 

@@ -516,7 +516,7 @@ def run_calibration(options: argparse.Namespace) -> int:
         if error.argument in ("measured", "parameters", "draws"):
             error.subject = f"--{error.argument}"
         elif not str(error).startswith(path.name):
-            error.stands_for(f"{path.name}:")
+            error.inside(path.name)
         raise
     scene: Any = done.content | {"measured": os.path.relpath(done.measured, folder)}
     for table in scene.values():

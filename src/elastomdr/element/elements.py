@@ -71,8 +71,9 @@ class AbstractOverElements(diffrax.AbstractTerm):
 
     def prod(self, vf: PyTree, control: PyTree) -> PyTree:
         raise InputError(
-            f"solver must be ContactStep for a {type(self).__name__}: that is a "
-            "constraint, not a vector field."
+            argument="solver",
+            accepted=f"ContactStep for a {type(self).__name__}",
+            hint="that is a constraint, not a vector field",
         )
 
 

@@ -37,7 +37,7 @@ from ..material.shift import (
     AbstractShift,
     AbstractVertical,
     check_laws,
-    same_thermal,
+    need_same_thermal,
 )
 from ..material.softening import Softening, as_softening, same_softening
 from ..material.tabulated import (
@@ -228,14 +228,7 @@ def half_space(
     known = material.range
     if other is not None:
         law = series(law, operator(_material("other", other)))
-        if not same_thermal(material, other):
-            raise InputError(
-                "other must have the same shift law as material, and the same "
-                "vertical one, got "
-                f"{other.shift}, {other.vertical} and {material.shift}, "
-                f"{material.vertical}; bring both to their "
-                "temperature first, with material.at(T)."
-            )
+        need_same_thermal("other", other, material)
         name = f"{material.name or 'material'} on {other.name or 'material'}"
         known = shared(known, other.range)
         if not same_softening(material.softening, other.softening):
@@ -273,8 +266,10 @@ def springs(
     positive("thickness", thickness)
     if tangential and not bonded:
         raise InputError(
-            "bonded must be True with tangential: a layer that slips on its base "
-            "is not sheared."
+            argument="bonded",
+            got=bonded,
+            accepted="True with tangential",
+            hint="a layer that slips on its base is not sheared",
         )
     rubber = _material("material", material)
     law = scaled(
@@ -314,14 +309,16 @@ def as_foundation(material: object) -> Foundation:
     # solved by its own means where a verb knows it
     if type(material).__name__ == "Layer":
         raise InputError(
-            "material must be a half-space or independent springs here, got an "
-            "em.layer, which this call does not take: use em.springs(material, "
-            "thickness) for a contact much wider than the layer is thick, "
-            "em.half_space for one much narrower."
+            argument="material",
+            got=material,
+            accepted="a half-space or independent springs here",
+            hint="em.springs(material, thickness) is for a contact much wider than "
+            "the layer is thick, em.half_space for one much narrower",
         )
     raise InputError(
-        "material must be a material (em.Prony, em.load_material(...)) or an "
-        f"em.Foundation, got {material!r}."
+        argument="material",
+        got=material,
+        accepted="a material (em.Prony, em.load_material(...)) or an em.Foundation",
     )
 
 
@@ -375,8 +372,9 @@ def _material(name: str, material: object) -> Prony:
     needs_series(name, material, "a layer or two bodies in contact")
     if not isinstance(material, Prony):
         raise InputError(
-            f"{name} must be an em.Prony, or one made by em.load_material(...), "
-            f"got {material!r}."
+            argument=name,
+            got=material,
+            accepted="an em.Prony, or one made by em.load_material(...)",
         )
     return material
 
@@ -433,11 +431,12 @@ def layer_operator(material: Prony, bonded: bool) -> Relaxation:
         return Relaxation(law.equilibrium + bulk, law.moduli, law.times, law.viscosity)
     if certain(lambda nu: nu >= 0.5, material.poisson):
         raise InputError(
-            "poisson must be below 0.5 for bonded springs, got "
-            f"{float(material.poisson):g}: a bonded incompressible "
-            "layer does not act as a row of springs. Use em.layer(material, "
-            "thickness), which holds for any thickness and any Poisson's ratio; a "
-            "bulk modulus in its place would make the springs hundreds of times too "
-            "stiff."
+            argument="poisson",
+            got=float(material.poisson),
+            accepted="below 0.5 for bonded springs",
+            hint="A bonded incompressible layer does not act as a row of springs. "
+            "Use em.layer(material, thickness), which holds for any thickness and "
+            "any Poisson's ratio; a bulk modulus in its place would make the springs "
+            "hundreds of times too stiff.",
         )
     return scaled(shear, 2 * (1 - material.poisson) / (1 - 2 * material.poisson))

@@ -36,7 +36,7 @@ from ..checks import (
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation
-from ..material.shift import same_thermal
+from ..material.shift import need_same_thermal
 from ..material.tabulated import TabulatedModulus
 from ..material.validity import Range, shared
 from ..trees import Tree, fill, static
@@ -80,28 +80,24 @@ class Layer(Tree):
     ):
         if not isinstance(material, (Prony, TabulatedModulus)):
             raise InputError(
-                "material must be an em.Prony, or one made by "
-                "em.load_material(...), "
-                f"got {material!r}."
+                argument="material",
+                got=material,
+                accepted="an em.Prony, or one made by em.load_material(...)",
             )
         if not isinstance(bonded, (bool, np.bool_)):
-            raise InputError(f"bonded must be True or False, got {bonded!r}.")
+            raise InputError(argument="bonded", got=bonded, accepted="True or False")
         if other is not None and not isinstance(other, Layer):
-            raise InputError(f"other must be an em.layer(...), got {other!r}.")
+            raise InputError(argument="other", got=other, accepted="an em.layer(...)")
         if other is not None and other.other is not None:
             raise InputError(
-                "other must be a single layer, got one that has another of its own."
+                argument="other",
+                got=other,
+                accepted="a single layer, without another of its own",
             )
         thickness = scalar("thickness", thickness)
         positive("thickness", thickness)
-        if other is not None and not same_thermal(material, other):
-            raise InputError(
-                "other must have the same shift law as material, and the same "
-                "vertical one, got "
-                f"{other.shift}, {other.vertical} and {material.shift}, "
-                f"{material.vertical}; bring both to their "
-                "temperature first, with material.at(T)."
-            )
+        if other is not None:
+            need_same_thermal("other", other, material)
         fill(
             self,
             material=material,
@@ -180,7 +176,9 @@ class Layer(Tree):
         """
         if isinstance(self.material, TabulatedModulus):
             raise InputError(
-                "material must be an em.Prony here, got a table of moduli."
+                argument="material",
+                got=self.material,
+                accepted="an em.Prony here, not a table of moduli",
             )
         return normal_operator(self.material)
 
@@ -204,7 +202,8 @@ class Layer(Tree):
             return 1 - 2 * poisson
         if omega is None:
             raise InputError(
-                "omega must be given for a material with a constant bulk modulus."
+                argument="omega",
+                accepted="given for a material with a constant bulk modulus",
             )
         material: Any = self.material
         shear, bulk = material.shear().complex_modulus(omega), material.bulk

@@ -111,13 +111,15 @@ def check(
     """Raises `InputError` for parameters that material, shape or scene do not have."""
     if {"c1", "c2"} & names.keys() and not isinstance(material.shift, WLF):
         raise InputError(
-            "parameters c1 and c2 need a material with a WLF law, got "
-            f"{material.shift!r}."
+            argument="material",
+            got=material,
+            accepted="one with a WLF law for the parameters c1 and c2",
         )
     if {"q_high", "heights"} & names.keys() and not isinstance(shape, AbstractSpectrum):
         raise InputError(
-            "parameters q_high and heights need a surface with a spectrum, got "
-            f"{shape!r}."
+            argument="shape",
+            got=shape,
+            accepted="a surface with a spectrum for the parameters q_high and heights",
         )
     law = scene.get("adhesion")
     for name in names:
@@ -133,9 +135,10 @@ def check(
         length = getattr(model, "equivalent_length", None)
         if not isinstance(length, (int, float)):
             raise InputError(
-                "parameter length needs a number [m] to start from, in "
-                "model=em.Line(equivalent_length=...), got "
-                f"model={model!r}."
+                argument="model",
+                got=model,
+                accepted="em.Line(equivalent_length=...) for the parameter length",
+                hint="it is the number [m] to start from",
             )
 
 
@@ -655,8 +658,9 @@ def _checked_data(
     require("measured", data, "finite", np.isfinite)
     if data.size < parameters:
         raise InputError(
-            "measured must have as many points as there are parameters, "
-            f"{parameters}, got {data.size}."
+            argument="measured",
+            got=int(data.size),
+            accepted=f"{parameters} points or more, as many as there are parameters",
         )
     if error is None:
         return data, None
@@ -707,14 +711,17 @@ class _Task(NamedTuple):
         first = self.compute(self.begin)
         if first.shape != self.data.shape:
             raise InputError(
-                f"measured must have the shape of what is computed, {first.shape}, "
-                f"got {self.data.shape}."
+                argument="measured",
+                got=self.data.shape,
+                accepted=f"of the shape of what is computed, {first.shape}",
             )
         missing = int((~np.isfinite(first)).sum())
         if first.size - missing < self.begin.size:
             raise InputError(
-                "parameters must start where the contact has an answer, got NaN "
-                f"at {missing} points."
+                argument="parameters",
+                got=self.begin.tolist(),
+                accepted="where the contact has an answer, to start with",
+                hint=f"it is NaN at {missing} points",
             )
         return first
 
@@ -789,15 +796,16 @@ def _start(
     """The parameters and where they start. Raises `InputError`."""
     needs_series("material", material, "a calibration")
     if not isinstance(material, Prony):
-        raise InputError(f"material must be a Prony, got {type(material).__name__}.")
+        raise InputError(argument="material", got=material, accepted="a Prony")
     if (
         isinstance(parameters, str)
         or not isinstance(parameters, (Sequence, Mapping))
         or not parameters
     ):
         raise InputError(
-            "parameters must be names, or a dict of names and starts, got "
-            f"{parameters!r}."
+            argument="parameters",
+            got=parameters,
+            accepted="names, or a dict of names and starts",
         )
     start: dict[str, float] = {}
     for name in parameters:
@@ -810,8 +818,10 @@ def _start(
         if name not in MEANINGS and not own_model:
             hint = closest(str(name), (SHEAR, *MEANINGS))
             raise InputError(
-                f"parameters must be among {', '.join((SHEAR, *MEANINGS))}, got "
-                f"{name!r}.{hint}"
+                argument="parameters",
+                got=name,
+                accepted=f"among {', '.join((SHEAR, *MEANINGS))}",
+                hint=hint,
             )
         value = 0.0
         if isinstance(parameters, Mapping):

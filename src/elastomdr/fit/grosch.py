@@ -216,15 +216,20 @@ def friction_master(
     if error is not None and not isinstance(error, str):
         given["error"] = error
     elif error is not None and error != "relative":
-        raise InputError(f"error must be numbers, 'relative' or None, got {error!r}.")
+        raise InputError(
+            argument="error", got=error, accepted="numbers, 'relative' or None"
+        )
     v, t, friction, *sizes = _checked_data(given)
     finite("tolerance", scalar("tolerance", tolerance))
     number, temperatures = group(t, float(tolerance))
-    if temperatures.size < 2 or friction.size < 8:
-        raise InputError(
-            "temperature must have two values at least, and mu eight points, got "
-            f"{temperatures.size} and {friction.size}."
-        )
+    for name, count, least in (
+        ("temperature", temperatures.size, 2),
+        ("mu", friction.size, 8),
+    ):
+        if count < least:
+            raise InputError(
+                argument=name, got=count, accepted=f"{least} values or more"
+            )
     reference = _checked_reference(reference, temperatures, tolerance)
     zero = np.zeros(friction.size)
     points = MeasuredPoints(
@@ -265,8 +270,10 @@ def _checked_reference(
     in_kelvin("reference", reference)
     if not temperatures[0] - tolerance <= reference <= temperatures[-1] + tolerance:
         raise InputError(
-            f"reference must be within the measured temperatures, {temperatures[0]:g} "
-            f"to {temperatures[-1]:g} K, got {reference:g}."
+            argument="reference",
+            got=reference,
+            accepted=f"within the measured temperatures, {temperatures[0]:g} to "
+            f"{temperatures[-1]:g} K",
         )
     return reference
 

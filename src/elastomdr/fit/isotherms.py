@@ -3,7 +3,6 @@ noisy they are, whether they were measured twice, whether storage and loss modul
 exchanged.
 """
 
-import re
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -166,8 +165,7 @@ def isotherms(
             got=dma.source,
             accepted="measured over a range of frequencies (or times)",
             hint=f"it spans {rates.min():.4g} to {rates.max():.4g} rad/s only; a "
-            "sweep of "
-            "temperature at one frequency needs a shift law, as "
+            "sweep of temperature at one frequency needs a shift law, as "
             + advise("shift=em.WLF(8.86, 101.6, 293.15)", {"shift": _TYPICAL})
             + ", a file of factors, or "
             + advise("universal", {"shift": "universal"}),
@@ -202,8 +200,7 @@ def _check_points(dma: Dma) -> None:
         rates = np.concatenate([dma.omega, 1 / dma.time])
         raise InputError(
             argument="temperature",
-            got=None,
-            accepted="given, since it is not in the data",
+            accepted="given, where it is not in the data",
             hint=untold(rates[~np.isfinite(temperatures)]),
         )
     if temperatures.max() > _HOTTEST:
@@ -215,17 +212,24 @@ def _check_points(dma: Dma) -> None:
         )
     if dma.omega.size and in_strain_sweep(dma).all():
         raise InputError(
-            "dma must have sweeps of frequency, got a sweep of strain, "
-            f"{strains(dma.strain)}: it has no master curve; "
-            "em.fit.softening(dma) makes its em.Softening."
+            argument="dma",
+            got=strains(dma.strain),
+            accepted="sweeps of frequency, not of strain",
+            hint="they have no master curve; em.fit.softening(dma) makes their "
+            "em.Softening",
         )
     if temperatures.size < 5:
         lost = len(dma.bad_rows)
         why = ""
         if lost:
-            why = f"; {lost} rows of {dma.source} were left out, such as {dma.bad_rows[0]}"
+            why = (
+                f"{lost} rows of {dma.source} were left out, such as {dma.bad_rows[0]}"
+            )
         raise InputError(
-            f"dma must have five points at least, got {temperatures.size}{why}."
+            argument="dma",
+            got=temperatures.size,
+            accepted="five points or more",
+            hint=why,
         )
 
 
@@ -352,36 +356,17 @@ def refuse_exchanged(dma: Dma, law: AbstractShift | None = None) -> None:
             np.zeros(reduced.size), reduced, dma.storage, dma.loss
         )
     if exchanged:
-        columns_read = (
-            f" (read were {'; '.join(column.split(';')[0] for column in dma.columns)})"
-            if dma.columns
-            else ""
-        )
-        places = [
-            re.search(rf"\b{name} from (\d+)", columns_read)
-            for name in ("loss", "storage")
-        ]
-        new, old = (
-            (place[1] for place in places if place) if all(places) else ("N", "M")
-        )
-        explanation = (
-            ""
-            if all(places)
-            else ", N the column read as loss, M the one read as storage"
-        )
-        way = advise(
-            f"columns={{'storage': {new}, 'loss': {old}}}",
-            {"column": [f"storage={new}", f"loss={old}"]},
-        )
+        ways = {"storage": dma.places.get("loss"), "loss": dma.places.get("storage")}
+        read = "; ".join(column.split(";")[0] for column in dma.columns)
+        hint = f"storage and loss modulus look exchanged{f' ({read})' * bool(read)}"
+        if dma.places:
+            options = [f"{role}={place}" for role, place in ways.items()]
+            hint += "; exchange them, " + advise(f"columns={ways}", {"column": options})
         raise InputError(
             argument="dma",
             got=dma.source,
-            accepted="moduli as they are named",
-            hint="storage and loss modulus look exchanged: no passive material has "
-            "them as "
-            f"they are named, but one does with the two exchanged{columns_read}; "
-            "exchange "
-            "them: " + way + explanation,
+            accepted="of a passive material",
+            hint=hint,
         )
 
 

@@ -351,12 +351,14 @@ def _check_reach(
         if reference > pole
         else f"past its pole, {pole - 273.15:.4g} degC"
     )
-    hint = " Are the units of temperature right?" if distance > _STRANGE else ""
+    hint = "; check the units of temperature" if distance > _STRANGE else ""
     low, high = temperature[0] - 273.15, temperature[-1] - 273.15
     raise InputError(
-        f"reference must be within reach of the data, {low:.4g} to {high:.4g} degC, "
-        f"got {reference - 273.15:.4g} degC: the law of the shift factors would have "
-        f"to carry {distance:.3g} K beyond them {why}.{hint}"
+        argument="reference",
+        got=reference,
+        accepted=f"within reach of the data, {low:.4g} to {high:.4g} degC, in kelvin",
+        hint=f"the law of the shift factors would have to carry {distance:.3g} K "
+        f"beyond them {why}{hint}",
     )
 
 
@@ -520,8 +522,10 @@ def given_law(shift: object, dma: Dma) -> tuple[AbstractShift | None, str]:
             *UNIVERSAL, round(glass, 1)
         ), f"estimated: universal constants about {reference}"
     raise InputError(
-        "shift must be a shift law (em.WLF, Arrhenius, VFT, ShiftTable, or "
-        f"em.read_shifts of a file) or 'universal', got {shift!r:.80}."
+        argument="shift",
+        got=shift,
+        accepted="a shift law (em.WLF, Arrhenius, VFT, ShiftTable, or em.read_shifts "
+        "of a file) or 'universal'",
     )
 
 
@@ -536,10 +540,12 @@ def log10_a(law: AbstractShift, temperature: np.ndarray) -> np.ndarray:
     inside = np.clip(temperature, known[0], known[-1])
     beyond = temperature - inside
     if (np.abs(beyond) > _BEYOND).any():
-        far = temperature[np.abs(beyond).argmax()] - 273.15
+        far = temperature[np.abs(beyond).argmax()]
         raise InputError(
-            f"shift must reach over the data: its table has {known[0] - 273.15:.4g} "
-            f"to {known[-1] - 273.15:.4g} degC, got data at {far:.4g} degC."
+            argument="shift",
+            got=law,
+            accepted=f"known at the temperatures of the data, {far:.5g} K",
+            hint=f"its table has {known[0]:.5g} to {known[-1]:.5g} K",
         )
     return np.asarray(law.log10_a(inside)) + beyond * np.where(
         beyond < 0, slopes[0], slopes[-1]
@@ -592,9 +598,10 @@ def _glass_temperature(dma: Dma) -> float:
     """
     if not dma.omega.size:
         raise InputError(
-            "shift must be a law for data in time, from which T_g cannot be "
-            "found: "
-            "em.WLF(17.44, 51.6, T_g)."
+            argument="shift",
+            got="universal",
+            accepted="a law for data in time, such as em.WLF(17.44, 51.6, T_g)",
+            hint="T_g cannot be found from them",
         )
     order = np.argsort(dma.temperature, kind="stable")
     sample = order[np.linspace(0, order.size - 1, min(order.size, _MOST)).astype(int)]

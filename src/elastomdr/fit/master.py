@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from ..arrays import one_thread
-from ..checks import in_kelvin, in_si, not_negative, positive, scalar, significant
+from ..checks import (
+    in_kelvin,
+    in_si,
+    not_negative,
+    positive,
+    scalar,
+    significant,
+    whole_number,
+)
 from ..errors import InputError
 from ..io.data import Dma, of_one_strain, strains, without_copies
 from ..material.prony import Prony
@@ -83,7 +91,7 @@ _DIGITS = 8
 def check_law(law: object) -> None:
     """Raises `InputError` unless `law` is one of `LAWS`."""
     if law not in LAWS:
-        raise InputError(f"law must be one of {', '.join(LAWS)}, got {law!r}.")
+        raise InputError(argument="law", got=law, accepted=f"one of {', '.join(LAWS)}")
 
 
 def shift_law(master: "MasterCurve", law: str) -> tuple[str, Any]:
@@ -109,9 +117,10 @@ def _choose(master: "MasterCurve") -> str:
 def _law(master: "MasterCurve", name: str) -> Any:
     if name not in master.laws:
         raise InputError(
-            "law must be one that these data allow "
-            f"({', '.join([*master.laws, 'none'])}), got {name!r}: there are "
-            f"{master.temperature.size} temperatures."
+            argument="law",
+            got=name,
+            accepted=f"one that these data allow ({', '.join([*master.laws, 'none'])})",
+            hint=f"there are {master.temperature.size} temperatures",
         )
     law = master.laws[name].law
     return type(law)(
@@ -127,7 +136,9 @@ def _table(master: "MasterCurve") -> ShiftTable:
     entries.
     """
     if master.temperature.size < 2:
-        raise InputError("law must be 'none' for data of one temperature, got 'table'.")
+        raise InputError(
+            argument="law", got="table", accepted="'none' for data of one temperature"
+        )
     away = np.abs(master.temperature - master.reference) > 0.5
     temperature = np.append(master.temperature[away], master.reference).round(
         TEMPERATURE_DIGITS
@@ -306,11 +317,7 @@ def tabulate(
     """A table from the shifted data: in each band of log omega the means of log omega,
     log storage and log loss.
     """
-    whole = isinstance(per_decade, int) and not isinstance(per_decade, bool)
-    if not whole or not 1 <= per_decade <= _MOST:
-        raise InputError(
-            f"per_decade must be a whole number from 1 to {_MOST}, got {per_decade!r}."
-        )
+    whole_number("per_decade", per_decade, 1, _MOST)
     logs = np.log([master.omega, master.storage, master.loss])
     band = np.floor(
         per_decade * (logs[0] - logs[0].min(initial=np.inf)) / np.log(10)
@@ -318,9 +325,11 @@ def tabulate(
     numbers = np.unique(band)
     if numbers.size < 3:
         raise InputError(
-            "master must have storage and loss moduli in three bands of frequency at "
-            "least, "
-            f"got {master.omega.size} points in {numbers.size}."
+            argument="master",
+            got=numbers.size,
+            accepted="in three bands of frequency or more, with storage and loss "
+            "moduli",
+            hint=f"there are {master.omega.size} points",
         )
     omega, storage, loss = np.exp(
         [logs[:, band == number].mean(axis=1) for number in numbers]
@@ -667,10 +676,12 @@ def master_curve(
     """
     if not isinstance(dma, Dma):
         raise InputError(
-            f"dma must be a Dma, as em.read_dma returns it, got {type(dma).__name__}."
+            argument="dma",
+            got=type(dma).__name__,
+            accepted="a Dma, as em.read_dma returns it",
         )
     if not isinstance(vertical, (bool, np.bool_)):
-        raise InputError(f"vertical must be True or False, got {vertical!r}.")
+        raise InputError(argument="vertical", got=vertical, accepted="True or False")
     tolerance = float(scalar("tolerance", tolerance))
     positive("tolerance", tolerance)
     if temperature_error is not None:

@@ -267,8 +267,10 @@ def _data(sweep: Dma | Mapping[str, Any]) -> tuple[_Data, list[str]]:
         positive(name, values[name])
     if values["strain"].max() > _LARGEST:
         raise InputError(
-            f"strain must be an amplitude without unit, {_LARGEST:g} at most (0.1 for "
-            f"10 %), got {values['strain'].max():g}; divide per cent by 100."
+            argument="strain",
+            got=float(values["strain"].max()),
+            accepted=f"an amplitude without unit, {_LARGEST:g} at most (0.1 for 10 %)",
+            hint="divide per cent by 100",
         )
     log_strain = np.log(values["strain"])
     temperature = np.nan_to_num(values["temperature"], nan=1.0)
@@ -278,9 +280,11 @@ def _data(sweep: Dma | Mapping[str, Any]) -> tuple[_Data, list[str]]:
     whole = [i for i in range(number.max() + 1) if _is_sweep(log_strain[number == i])]
     if not whole:
         raise InputError(
-            "strain_sweep must have four points or more over a factor of 3 in strain "
-            f"at one temperature and frequency, got {number.size} points at "
-            f"{number.max() + 1} of them."
+            argument="strain_sweep",
+            got=int(number.size),
+            accepted="four points or more over a factor of 3 in strain at one "
+            "temperature and frequency",
+            hint=f"they are at {number.max() + 1} of them",
         )
     kept, remarks = np.isin(number, whole), []
     if not kept.all():
@@ -305,8 +309,9 @@ def _values(sweep: Dma | Mapping[str, Any]) -> dict[str, np.ndarray]:
         known = np.isfinite(sweep.strain)
         if not known.any():
             raise InputError(
-                "strain_sweep must have the strain amplitude of its points, got a "
-                "Dma without any."
+                argument="strain_sweep",
+                got=sweep.source,
+                accepted="points with a strain amplitude",
             )
         names = ("strain", "storage", "loss", "temperature", "omega")
         return {
@@ -315,8 +320,10 @@ def _values(sweep: Dma | Mapping[str, Any]) -> dict[str, np.ndarray]:
     names: tuple[str, ...] = ("strain", "storage", "loss")
     if not isinstance(sweep, Mapping) or not set(names) <= set(sweep):
         raise InputError(
-            "strain_sweep must be a Dma with strain amplitudes, or a mapping with "
-            f'"strain", "storage" and "loss", got {type(sweep).__name__}.'
+            argument="strain_sweep",
+            got=type(sweep).__name__,
+            accepted='a Dma with strain amplitudes, or a mapping with "strain", '
+            '"storage" and "loss"',
         )
     columns = lists(names, tuple(sweep[name] for name in names))
     values: dict[str, np.ndarray] = dict(zip(names, columns, strict=True))
@@ -326,8 +333,9 @@ def _values(sweep: Dma | Mapping[str, Any]) -> dict[str, np.ndarray]:
             values[name] = np.broadcast_to(as_float64(name, given), columns[0].shape)
         except ValueError as problem:
             raise InputError(
-                f"{name} must be one number or as many as strain, {columns[0].size}, "
-                f"got {np.shape(given)}."
+                argument=name,
+                got=np.shape(given),
+                accepted=f"one number or as many as strain, {columns[0].size}",
             ) from problem
     return values
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import __version__
 from ..checks import a_text, in_si, scalar, significant
-from ..errors import InputError, advise, quiet
+from ..errors import InputError, advise, quiet, typed_as
 from ..io.data import Dma, FitWarning, strains
 from ..material.format import Document
 from ..material.library import load_material, material_info, save_material
@@ -550,7 +550,9 @@ def material(
     """
     check_law(law)
     if shift is not None and law != "auto":
-        raise InputError(f"law must be left out where shift is given, got {law!r}.")
+        raise InputError(
+            argument="law", got=law, accepted="left out where shift is given"
+        )
     series: _Asked = {
         "terms": terms,
         "equilibrium": equilibrium,
@@ -561,8 +563,10 @@ def material(
     }
     if not isinstance(vertical, (bool, AbstractVertical, type(None))):
         raise InputError(
-            "vertical must be True, False, None or a law of vertical shifts such as "
-            f"em.VerticalTable, got {vertical!r:.80}."
+            argument="vertical",
+            got=vertical,
+            accepted="True, False, None or a law of vertical shifts such as "
+            "em.VerticalTable",
         )
     law_given = vertical if isinstance(vertical, AbstractVertical) else None
     asked = None if isinstance(vertical, AbstractVertical) else vertical
@@ -628,9 +632,10 @@ def _fitted(
         at_reference = float(vertical.b(master.reference))
         if abs(at_reference - 1) > _UNITY:
             raise InputError(
-                "vertical must be 1 at the reference temperature, "
-                f"{master.reference - 273.15:.4g} degC, got {at_reference:.4g}: give "
-                "its reference temperature, or divide its factors by that."
+                argument="vertical",
+                got=float(at_reference),
+                accepted=f"1 at the reference temperature, {master.reference:.5g} K",
+                hint="give its reference temperature, or divide its factors by that",
             )
         dma = replace(
             dma,
@@ -762,29 +767,35 @@ def from_hardness(
     hardness = float(scalar("shore_a", shore_a))
     if not _SHORE[0] <= hardness <= _SHORE[1]:
         raise InputError(
-            f"shore_a must be between {_SHORE[0]:g} and {_SHORE[1]:g}, got "
-            f"{hardness:g}."
+            argument="shore_a",
+            got=float(hardness),
+            accepted=f"{_SHORE[0]:g} to {_SHORE[1]:g}",
         )
-    other = like if isinstance(like, Prony) else load_material(like)
+    with typed_as("name_or_path", "like"):
+        other = like if isinstance(like, Prony) else load_material(like)
     if not isinstance(other, Prony):
         raise InputError(
-            "like must be a Prony series, or the name of one in the library, got "
-            f"{like!r:.80}."
+            argument="like",
+            got=like,
+            accepted="a Prony series, or the name of one in the library",
         )
     if not float(np.asarray(other.equilibrium)) > 0:
         raise InputError(
-            "like must be a rubber, with an equilibrium modulus, since hardness is "
-            "read "
-            f"on what stays after seconds; got {other.name or 'a liquid'}."
+            argument="like",
+            got=other.name or other,
+            accepted="a rubber, with an equilibrium modulus",
+            hint="hardness is read on what stays after seconds",
         )
     known = other.range if other.range is not None else Range(None, None)
     read = other.at(_TEMPERATURE) if other.shift is not None else other
     coldest, hottest = known.temperature or (_TEMPERATURE, _TEMPERATURE)
     if other.shift is None and not coldest <= _TEMPERATURE <= hottest:
         raise InputError(
-            "like must be known at 23 degC, where hardness is read: "
-            f"{other.name or 'it'} has no shift law, and is known from "
-            f"{coldest - 273.15:.4g} to {hottest - 273.15:.4g} degC."
+            argument="like",
+            got=other.name or other,
+            accepted="known at 23 degC, where hardness is read",
+            hint=f"it has no shift law, and is known from {coldest:.5g} to "
+            f"{hottest:.5g} K",
         )
     factor = _gent(hardness) / float(np.asarray(read.tensile().relaxation(_READ)))
     low, high = known.omega or (

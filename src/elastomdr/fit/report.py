@@ -382,7 +382,7 @@ def plain_card(material: Prony) -> str:
 def _check_series(material: object, purpose: str) -> None:
     needs_series("material", material, purpose)
     if not isinstance(material, Prony):
-        raise InputError(f"material must be a Prony, got {type(material).__name__}.")
+        raise InputError(argument="material", got=material, accepted="a Prony")
 
 
 class _CardParts(NamedTuple):
@@ -398,8 +398,9 @@ def _parts(material: Prony) -> _CardParts:
     _check_series(material, "a card of Prony terms")
     if float(material.viscosity) > 0:
         raise InputError(
-            "viscosity must be 0 for a card of Prony terms, got "
-            f"{float(material.viscosity):g}."
+            argument="viscosity",
+            got=float(material.viscosity),
+            accepted="0 for a card of Prony terms",
         )
     moduli = np.asarray(material.moduli, dtype=float)
     equilibrium, notes = float(material.equilibrium), list(_describe(material))
@@ -420,8 +421,10 @@ def _poisson(material: Prony) -> float:
     if material.poisson is not None:
         return float(material.poisson)
     raise InputError(
-        "material must have a constant Poisson's ratio for a card, got a constant "
-        "bulk modulus."
+        argument="material",
+        got=material,
+        accepted="one with a constant Poisson's ratio for a card, not a constant "
+        "bulk modulus",
     )
 
 

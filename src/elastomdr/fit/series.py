@@ -633,8 +633,9 @@ class _Measured(NamedTuple):
         n, slow = self.omega.size, self.time.size
         if 2 * n + slow < 3:
             raise InputError(
-                "omega, storage and loss (or time and relaxation) must have two points "
-                f"at least, got {n}."
+                argument="omega",
+                got=n,
+                accepted="two points or more, or time three, with their moduli",
             )
         log_omega = np.log(self.omega)
         points = MeasuredPoints(
@@ -646,8 +647,9 @@ class _Measured(NamedTuple):
         )
         if np.ptp(points.log_rate) < np.log(1.5):
             raise InputError(
-                f"omega must span a range of frequencies, got {n} points within a "
-                "factor of 1.5."
+                argument="omega",
+                got=float(np.exp(np.ptp(points.log_rate))),
+                accepted="over a range of frequencies, a factor of 1.5 or more",
             )
         return points
 
@@ -656,8 +658,9 @@ def _checked_options(equilibrium: object, balance: Number | None) -> float | Non
     """The balance. Raises `InputError`."""
     if not isinstance(equilibrium, bool | None):
         raise InputError(
-            "equilibrium must be True, False or None (the data decide), got "
-            f"{equilibrium!r}."
+            argument="equilibrium",
+            got=equilibrium,
+            accepted="True, False or None (the data decide)",
         )
     if balance is None:
         return None

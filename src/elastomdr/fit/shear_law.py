@@ -289,8 +289,10 @@ def adhesion(
     points = _chosen(every, used)
     if points.mu.size <= len(points.names):
         raise InputError(
-            f"measured must have more points than the {len(points.names)} parameters, "
-            f"{', '.join(points.names)}, got {points.mu.size} with an answer."
+            argument="measured",
+            got=int(points.mu.size),
+            accepted=f"more points with an answer than the {len(points.names)} "
+            f"parameters, {', '.join(points.names)}",
         )
     known, size = _sizes(error, data, used)
     p, success = _search(points, size)
@@ -316,8 +318,10 @@ def _checked_curves(curve: object) -> Mapping[float, FrictionCurve]:
     if not are_curves or len(curves) in (0, 2, 3):
         count = f" of {len(curves)}" if isinstance(curve, Mapping) else ""
         raise InputError(
-            "curve must be an em.FrictionCurve, or four or more of them by their "
-            f"cutoff, {{q_high: curve}}, got a {type(curve).__name__}{count}."
+            argument="curve",
+            got=f"{type(curve).__name__}{count}",
+            accepted="an em.FrictionCurve, or four or more of them by their cutoff, "
+            "{q_high: curve}",
         )
     return curves
 
@@ -333,8 +337,9 @@ def _measured(
         mu, error = np.asarray(as_float64("measured", measured)), None
         if mu.shape != np.shape(curve.mu):
             raise InputError(
-                f"measured must have the shape of the curve, {np.shape(curve.mu)}, "
-                f"got {mu.shape}."
+                argument="measured",
+                got=mu.shape,
+                accepted=f"of the shape of the curve, {np.shape(curve.mu)}",
             )
     require("measured", mu, "finite", np.isfinite)
     columns = (given.velocity, given.temperature, given.pressure, error, mu)
@@ -353,9 +358,10 @@ def _at_points(curve: FrictionCurve, data: _MeasuredFriction) -> _Computed:
         share = curve.contact_area / curve.normal_force
     else:
         raise InputError(
-            "curve must have the real contact area: that of a surface under a "
-            "pressure by em.Multiscale(), "
-            f"em.Persson() or em.HalfSpace(), got a curve by {curve.model}."
+            argument="curve",
+            got=curve.model,
+            accepted="one with the real contact area, of a surface under a pressure "
+            "by em.Multiscale(), em.Persson() or em.HalfSpace()",
         )
     alone = curve.mu if curve.hysteresis is None else curve.hysteresis
     off = (
@@ -382,19 +388,17 @@ def _at_points(curve: FrictionCurve, data: _MeasuredFriction) -> _Computed:
             else "temperatures that the curve was not computed for"
         )
         raise InputError(
-            f"curve must be computed at the measured points, which have {lacking}: "
-            "give "
-            "em.friction the velocity, "
-            "temperature and pressure of the measurement."
+            argument="curve",
+            accepted=f"computed at the measured points, which have {lacking}",
+            hint="give em.friction the velocity, temperature and pressure of the "
+            "measurement",
         )
     try:
         laws = (gridded({**flat, "mu": np.abs(x)}) for x in values)
         return _Computed(*(np.asarray(law(**asked)) for law in laws))
     except InputError as problem:
-        raise InputError(
-            "curve must be computed at the measured points, or on a grid that "
-            f"holds them: {problem}"
-        ) from problem
+        problem.inside("at the measured points", "curve")
+        raise
 
 
 def _meets(curve: FrictionCurve, data: _MeasuredFriction) -> bool:
@@ -452,7 +456,7 @@ def _sizes(
     if isinstance(error, str):
         if error != "relative":
             raise InputError(
-                f"error must be numbers, 'relative' or None, got {error!r}."
+                argument="error", got=error, accepted="numbers, 'relative' or None"
             )
         mu = np.abs(data.mu)
         return False, np.maximum(mu, 0.05 * mu.max())[used]
@@ -465,8 +469,9 @@ def _sizes(
         )
     except ValueError as problem:
         raise InputError(
-            f"error must match the measured points in shape, {data.mu.shape}, "
-            f"got {given.shape}."
+            argument="error",
+            got=given.shape,
+            accepted=f"of the shape of the measured points, {data.mu.shape}",
         ) from problem
     positive("error", given)
     return True, given[used]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import nnls
 
-from ..errors import InputError
+from ..checks import whole_number
 from .spectrum import (
     GAIN,
     LOSS,
@@ -96,16 +96,7 @@ def check_terms(terms: object, log_rate: np.ndarray) -> None:
     """
     if terms is None:
         return
-    most = max(4 * most_terms(log_rate), 4)
-    if (
-        isinstance(terms, bool)
-        or not isinstance(terms, (int, np.integer))
-        or not 1 <= terms <= most
-    ):
-        raise InputError(
-            f"terms must be a whole number from 1 to {most} for these data, got "
-            f"{terms!r}."
-        )
+    whole_number("terms", terms, 1, max(4 * most_terms(log_rate), 4))
 
 
 def choose_terms(data: Data, terms: int | None, solid: bool | None) -> Terms:

@@ -69,6 +69,7 @@ class Dma:
     source: str = ""
     copies: int = 0  # points that were left out because they repeat others
     columns: tuple[str, ...] = ()  # which columns of the file were taken as what
+    places: dict[str, int] = field(default_factory=dict)  # their numbers, by role
     # "creep": `relaxation` is 1/J(t); "storage": G'(omega) alone, at t = 1/omega
     response: Response = "relaxation"
     # duration of the ramp of strain, from whose start `time` counts [s]; 0: a step

@@ -462,6 +462,7 @@ def _measurement(
         source=name,
         shifted=layout.shifted,
         columns=(columns_taken,),
+        places={role: column.place + 1 for role, column in chosen.items()},
     )
     if needed[0] == "time":
         return _over_time(blank, values, response, options.specimen)

@@ -416,6 +416,20 @@ def thermal_factors(body: Shifted, temperature: ArrayLike | None) -> tuple[Any, 
     return a, 1.0 if body.vertical is None else body.vertical.b(temperature)
 
 
+def need_same_thermal(name: str, body: Shifted, material: Shifted) -> None:
+    """Raises `InputError` unless a body, the argument of that name, shifts like the
+    material.
+    """
+    if not same_thermal(material, body):
+        raise InputError(
+            argument=name,
+            got=(body.shift, body.vertical),
+            accepted="of the shift law and the vertical one of material, "
+            f"{(material.shift, material.vertical)}",
+            hint="bring both to their temperature first, with material.at(T)",
+        )
+
+
 def same_thermal(one: Shifted, other: Shifted) -> bool:
     """Whether two bodies shift alike with the temperature; under a transformation of
     JAX as far as can be seen.

@@ -17,6 +17,7 @@ from ..checks import Array, numpy_unless_traced
 from ..element.law import surface_foundation
 from ..errors import InputError
 from ..surface.rough_line import RoughLine
+from .points import needs_half_space
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -61,11 +62,9 @@ def full_contact_sliding(
     Source: Popov & Hess 2015, ch. 10.
     """
     foundation = surface_foundation(material)
-    if foundation.per_area or not isinstance(line, RoughLine):
-        raise InputError(
-            "full contact is that of an em.RoughLine on a material or a "
-            "half-space of it."
-        )
+    needs_half_space(foundation)
+    if not isinstance(line, RoughLine):
+        raise InputError(argument="line", got=line, accepted="an em.RoughLine")
     asked = Asked(velocity, load, temperature=temperature)
     scene = steady_scene(foundation, line, asked, "load")
     v, force = scene.reduced, scene.at_reference().reshape(scene.shape)

@@ -12,12 +12,11 @@ import numpy as np
 from ..call.problem import Asked
 from ..checks import as_float64, numpy_unless_traced, positive, scalar, warn_unless
 from ..element.law import Foundation, as_foundation
-from ..errors import InputError
 from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
 from ..results.curve import Contact, HalfPlaneCurve
 from ..rough.half_space import EXACT, settle
 from .kernel import LEADS, convolution, sliding_kernel, strip_cell, work_against
-from .points import NOT_COMPARED, points_of
+from .points import NOT_COMPARED, needs_half_space, points_of
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -135,11 +134,7 @@ def half_plane_sliding(
 def _check(material: Material, radius: Number) -> tuple[Foundation, Any]:
     """The half-space and the radius. Raises `InputError`."""
     foundation = as_foundation(material)
-    if foundation.per_area:
-        raise InputError(
-            "material must be a half-space, got a layer: em.friction is exact for "
-            "layers."
-        )
+    needs_half_space(foundation)
     radius = scalar("radius", radius)
     positive("radius", radius)
     return foundation, radius

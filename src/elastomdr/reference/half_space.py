@@ -49,7 +49,7 @@ from .kernel import (
     sliding_kernel,
     work_against,
 )
-from .points import NOT_COMPARED, ReferencePoints, points_of
+from .points import NOT_COMPARED, ReferencePoints, needs_half_space, points_of
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -180,16 +180,14 @@ def half_space_sliding(
     """
     foundation = as_foundation(material)
     asked = Asked(velocity, load, depth, temperature=temperature)
-    if foundation.per_area:
-        raise InputError(
-            "material must be a half-space, got independent springs, for which "
-            "em.friction is exact."
-        )
+    needs_half_space(foundation)
     if cell is not None:
         if depth is not None:
             raise InputError(
-                "depth has no meaning in a periodic cell, give load; got "
-                f"depth={depth}."
+                argument="depth",
+                got=depth,
+                accepted="left out in a periodic cell",
+                hint="give load",
             )
         return slide_periodic(foundation, shape, cell, asked, points)
     return slide(foundation, shape, asked, points, None, _MODEL)
@@ -208,9 +206,11 @@ def slide(
     """
     if not isinstance(shape, AbstractShape) or isinstance(shape, (Cylinder, FlatPunch)):
         raise InputError(
-            "shape must be an axisymmetric body with a smooth edge (em.Paraboloid, "
+            argument="shape",
+            got=shape,
+            accepted="an axisymmetric body with a smooth edge (em.Paraboloid, "
             "em.Sphere, em.Cone, em.PowerLaw, em.Profile), or a map of heights with "
-            f"its cell, got {shape!r}."
+            "its cell",
         )
     scene = points_of(foundation, asked, points)
     law, steady = foundation.law(), scene.steady
@@ -499,8 +499,9 @@ def _sides(cell: ArrayLike) -> tuple[float, float]:
     sides = as_float64("cell", cell)
     if sides.shape not in ((), (2,)):
         raise InputError(
-            "cell must be the sides (L_x, L_y) of a periodic cell in m, or one for "
-            f"both, got {cell!r}."
+            argument="cell",
+            got=cell,
+            accepted="the sides (L_x, L_y) of a periodic cell [m], or one for both",
         )
     positive("cell", sides)
     along, across = np.broadcast_to(sides, (2,)).tolist()
@@ -517,8 +518,9 @@ def _heights(
         widest = float(shape.largest_contact)
         if widest < r.max():
             raise InputError(
-                f"cell must lie within the body, whose radius is {widest:g} m, got "
-                f"{_metres(sides)}."
+                argument="cell",
+                got=sides,
+                accepted=f"within the body, whose radius is {widest:g} m",
             )
         return -np.asarray(shape.height(r)), f"{describe(shape)}, one in each cell"
     heights = np.asarray(as_float64("shape", shape))
@@ -528,9 +530,10 @@ def _heights(
         or not np.isfinite(heights).all()
     ):
         raise InputError(
-            "shape must be a body or a map of heights [m] into the rubber, finite, "
-            "(n_x, n_y), with n_x and n_y "
-            f"multiples of 4 and at least 8, got shape {heights.shape}."
+            argument="shape",
+            got=heights.shape,
+            accepted="a body or a map of finite heights [m] into the rubber, (n_x, "
+            "n_y), both multiples of 4 and at least 8",
         )
     return heights, f"map of heights, {math.sqrt(np.var(heights)):.3g} m rms"
 
@@ -619,18 +622,13 @@ def friction_on_cells(
 def cover_of(material: Layer) -> CoverOfCells:
     """The kernel of a layer. Raises `InputError` for one that depends on time."""
     if not isinstance(material, Layer):
-        raise InputError(f"material must be an em.layer(...), got {material!r}.")
+        raise InputError(argument="material", got=material, accepted="an em.layer(...)")
     if material.other is not None or not material.constant:
         raise InputError(
-            (
-                "material must be one em.layer of a material with a constant "
-                "Poisson's ratio in three dimensions, got "
-            )
-            + (
-                "two covers."
-                if material.other is not None
-                else "one with a constant bulk modulus."
-            )
+            argument="material",
+            got=material,
+            accepted="one em.layer of a material with a constant Poisson's ratio in "
+            "three dimensions",
         )
     squeeze = float(np.asarray(material.squeeze()))
     return CoverOfCells(

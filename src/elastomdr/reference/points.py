@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..call.problem import Asked, SteadyScene, steady_scene
-from ..element.law import Foundation
+from ..checks import whole_number
+from ..element.law import Foundation, TabulatedFoundation
 from ..errors import InputError
 from ..smooth.passage import Control
 
@@ -46,27 +47,35 @@ class ReferencePoints(NamedTuple):
         return np.where(good, numbers, np.nan).reshape(self.steady.shape)
 
 
+def needs_half_space(foundation: Foundation | TabulatedFoundation) -> None:
+    """Raises `InputError` for springs."""
+    if foundation.per_area:
+        raise InputError(
+            argument="material",
+            got=foundation,
+            accepted="a half-space",
+            hint="em.friction is exact for independent springs",
+        )
+
+
 def points_of(foundation: Foundation, asked: Asked, points: int) -> ReferencePoints:
     """Checks and flattens. Raises `InputError`."""
-    if (
-        isinstance(points, bool)
-        or not isinstance(points, (int, np.integer))
-        or points % 2
-        or not 16 <= points <= 4096
-    ):
-        raise InputError(
-            f"points must be an even whole number from 16 to 4096, got {points!r}."
-        )
+    whole_number("points", points, 16, 4096)
+    if points % 2:
+        raise InputError(argument="points", got=points, accepted="even")
     steady = steady_scene(foundation, None, asked)
     if steady.traced:
         raise InputError(
-            "material, velocity and load must be plain numbers: the reference is "
-            "not differentiable."
+            argument="material",
+            accepted="of plain numbers, as velocity and load",
+            hint="the reference is not differentiable",
         )
     if float(foundation.equilibrium) == 0:
         raise InputError(
-            "material must be a solid, got equilibrium modulus 0: a liquid sinks "
-            "for ever."
+            argument="material",
+            got=foundation,
+            accepted="a solid, with an equilibrium modulus",
+            hint="a liquid sinks for ever",
         )
     control: Control = "depth" if steady.name == "depth" else "load"
     return ReferencePoints(

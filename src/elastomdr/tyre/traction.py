@@ -34,7 +34,7 @@ from ..element.layer import Layer
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation
-from ..material.shift import same_thermal, thermal_factors
+from ..material.shift import need_same_thermal, thermal_factors
 from ..material.validity import material_in_words, shared
 from ..results.doubts import Doubt, carried
 from ..results.friction_law import FrictionLaw
@@ -137,7 +137,9 @@ class _TractionScene(NamedTuple):
         if "temperature" in law.axes():
             if temperature is None:
                 raise InputError(
-                    "temperature must be given: the friction law depends on it."
+                    argument="temperature",
+                    accepted="given",
+                    hint="the friction law depends on it",
                 )
             given["temperature"] = temperature
         if law.pressure is not None:
@@ -237,8 +239,9 @@ def traction(
     check_shape(shape)
     if shape.rolling_radius is None:
         raise InputError(
-            "shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a "
-            f"{shape.label}."
+            argument="shape",
+            got=shape,
+            accepted="one that rolls, an em.Sphere, em.Paraboloid or em.Cylinder",
         )
     velocity, creepage, slip, road = _kinematics(velocity, creepage, slip)
     friction = _checked_friction(friction)
@@ -375,8 +378,10 @@ def _foundations(
     normal = replaced(normal, range=shared(normal.range, sheared.range))
     if normal.per_area and not isinstance(scene.shape, Cylinder):
         raise InputError(
-            "material must be a half-space under a body of revolution, or a layer "
-            f"under a Cylinder, got a layer under a {scene.shape.label}."
+            argument="material",
+            got=normal,
+            accepted=f"a half-space under a {scene.shape.label}",
+            hint="a layer is for an em.Cylinder",
         )
     return normal, sheared
 
@@ -556,16 +561,8 @@ def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
     law = normal.law()
     if _is_elastic(law) and sheared.shift is not None:
         normal = replaced(normal, shift=sheared.shift)
-    if (sheared.shift is not None or sheared.vertical is not None) and not same_thermal(
-        normal, sheared
-    ):
-        raise InputError(
-            "tangential must have the same shift law as material, and the same "
-            "vertical one, got "
-            f"{sheared.shift}, {sheared.vertical} and {normal.shift}, "
-            f"{normal.vertical}; bring both to their "
-            "temperature first, with material.at(T)."
-        )
+    if sheared.shift is not None or sheared.vertical is not None:
+        need_same_thermal("tangential", sheared, normal)
     return normal
 
 
@@ -640,34 +637,41 @@ def _checked_layer(
     shape, solid = scene.shape, layer.material
     if not isinstance(shape, Cylinder):
         raise InputError(
-            "shape must be an em.Cylinder for traction on an em.layer, got a "
-            f"{shape.label}."
+            argument="shape",
+            got=shape,
+            accepted="an em.Cylinder for traction on an em.layer",
         )
     if tangential is not None:
         raise InputError(
-            "tangential must be left out with an em.layer, which knows its own "
-            "shear stiffness."
+            argument="tangential",
+            got=tangential,
+            accepted="left out with an em.layer",
+            hint="it knows its own shear stiffness",
         )
     untraced(
         InputError(
             argument="material",
-            accepted="em.springs or a half-space under jit, grad and vmap, not an em.layer",
+            accepted="em.springs or a half-space under jit, grad and vmap, not an "
+            "em.layer",
         ),
         layer,
         *scene[:-2],
     )
-    if (scene.load is None) == (scene.depth is None):
-        raise InputError("load or depth must be given, and only one of them.")
+    only_one({"load": scene.load, "depth": scene.depth})
     single = layer.other is None and layer.bonded and layer.constant
     if not single or not isinstance(solid, Prony):
         raise InputError(
-            "material must be one em.layer for traction, bonded to its base, of an "
-            "em.Prony with a constant Poisson's ratio."
+            argument="material",
+            got=layer,
+            accepted="one em.layer for traction, bonded to its base, of an em.Prony "
+            "with a constant Poisson's ratio",
         )
     sheared = solid.shear().law()
     if float(sheared.viscosity) > 0:
         raise InputError(
-            "material must have no parallel dashpot for traction on an em.layer."
+            argument="material",
+            got=solid,
+            accepted="one without a parallel dashpot for traction on an em.layer",
         )
     return sheared
 
@@ -729,22 +733,27 @@ def _checked_half_plane(
     temperature = scene.temperature
     if scene.load is None or scene.depth is not None:
         raise InputError(
-            "load must be given for a cylinder on a half-space, whose depth is "
-            "not defined (plane strain)."
+            argument="load",
+            got=scene.load,
+            accepted="given without depth for a cylinder on a half-space",
+            hint="its depth is not defined (plane strain)",
         )
     if law.moduli.size or certain(lambda x: x > 0, law.viscosity):
         raise InputError(
-            "material must be elastic for a cylinder on a half-space (Carter's "
-            "problem), or a layer (em.springs): a viscoelastic half-plane is no MDR "
-            "problem."
+            argument="material",
+            got=foundation,
+            accepted="elastic for a cylinder on a half-space (Carter's problem), or "
+            "a layer (em.springs)",
+            hint="a viscoelastic half-plane is no MDR problem",
         )
     load = as_float64("load", scene.load)
     positive("load", load)
     matters = scene.law is not None and scene.law.temperature is not None
     if temperature is not None and vertical is None and not matters:
         raise InputError(
-            "temperature must be left out for an elastic half-plane, on which it "
-            "has no effect."
+            argument="temperature",
+            got=temperature,
+            accepted="left out for an elastic half-plane, on which it has no effect",
         )
     modulus = law.equilibrium
     if temperature is not None and vertical is not None:

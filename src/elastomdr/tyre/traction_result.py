@@ -263,8 +263,9 @@ def _braking_points(
     ):
         if values is not None and np.ptp(values) > 0:
             raise InputError(
-                f"{name} must be one for a Magic Formula, got {np.ptp(values):.3g} "
-                "between values."
+                argument=name,
+                got=float(np.ptp(values)),
+                accepted="one for a Magic Formula, without a difference between values",
             )
     creepage = np.broadcast_to(np.asarray(curve.creepage), mu.shape)
     load = np.broadcast_to(np.asarray(curve.normal_force), mu.shape)
@@ -272,8 +273,9 @@ def _braking_points(
     brakes = np.isfinite(mu) & (slip > 0) & (mu > 0)
     if brakes.sum() < 8:
         raise InputError(
-            "slip must have eight known braking points or more for a Magic Formula, "
-            f"got {brakes.sum()}."
+            argument="slip",
+            got=int(brakes.sum()),
+            accepted="eight known braking points or more for a Magic Formula",
         )
     return mu[brakes], slip[brakes], load[brakes]
 
@@ -310,9 +312,11 @@ def _is_at(temperature: float, temperatures: Array | None) -> np.ndarray:
     if not equal.any():
         listed = ", ".join(f"{value:g} K" for value in np.unique(known))
         raise InputError(
-            "temperature must be one of the slip curve "
-            f"({listed or 'none, since the slip curve has none'}), got "
-            f"{temperature!r}."
+            argument="temperature",
+            got=temperature,
+            accepted=f"one of the slip curve, {listed}"
+            if listed
+            else "left out for a slip curve without temperatures",
         )
     return equal
 
