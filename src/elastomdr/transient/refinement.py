@@ -371,9 +371,10 @@ def contact_sizes(
     of 2.
 
     The largest is that of the relaxed rubber under the largest load, or for a liquid of
-    what creeps in the time given.
+    what creeps in the time given. Both grow with load and moduli as under a power of the
+    radius: so elements follow the contact, and no edge passes one as a load changes.
     """
-    law, lines, value = stop_gradient((law, lines, value))
+    lines = stop_gradient(lines)
     glass = law.equilibrium + xp.sum(law.moduli) + law.viscosity / duration
     # A lower bound of E(t): each branch, and the dashpot, as a spring that has relaxed
     # for the whole time.
@@ -388,6 +389,11 @@ def contact_sizes(
     ends = xp.where(ends > 0, ends, 1e-9)
     sizes = []
     for modulus, end in zip((glass, soft), ends, strict=True):
-        spring = Relaxation(modulus, xp.zeros(1), xp.ones(1), xp.zeros(()))
-        sizes.append(estimate_sizes(spring, lines, control, end[None], xp.ones(1))[0])
+        held, held_end = stop_gradient((modulus, end))
+        spring = Relaxation(held, xp.zeros(1), xp.ones(1), xp.zeros(()))
+        size = estimate_sizes(spring, lines, control, held_end[None], xp.ones(1))
+        grown, power = end / held_end, lines.exponent(size)
+        if control == "load":
+            grown, power = grown * held / modulus, power + 1
+        sizes.append((size * grown ** (1 / power))[0])
     return sizes[0], xp.maximum(*sizes)
