@@ -204,7 +204,7 @@ def test_gradient():
     ("change", "words"),
     [
         ({"mount": 3.0}, ("mount", "em.Mount")),
-        ({"mount": em.Mount(1.0)}, ("mount stiffness", "positive")),
+        ({"mount": em.Mount(1.0)}, ("mount.stiffness", "positive")),
         ({"velocity": [1.0, 2.0], "force": [1.0, 2.0]}, ("velocity", "three values")),
         ({"velocity": SPEED[::-1]}, ("velocity", "ascending")),
         ({"force": 1.0}, ("force", 81)),

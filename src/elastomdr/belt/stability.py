@@ -299,12 +299,12 @@ def _checked_mount(mount: object) -> tuple[Array, Array, Array]:
             accepted="an em.Mount(mass, stiffness, damping)",
         )
     mass, stiffness, damping = (
-        scalar(f"mount {name}", getattr(mount, name))
+        scalar(f"mount.{name}", getattr(mount, name))
         for name in ("mass", "stiffness", "damping")
     )
-    positive("mount mass", mass)
-    positive("mount stiffness", stiffness)
-    not_negative("mount damping", damping)
+    positive("mount.mass", mass)
+    positive("mount.stiffness", stiffness)
+    not_negative("mount.damping", damping)
     return mass, stiffness, damping
 
 

@@ -423,7 +423,7 @@ def _between(computed: Mapping[float, _Computed]) -> tuple[Parts, Ends | None]:
     from scipy.interpolate import CubicSpline
 
     q = np.array(sorted(computed))
-    positive("curve: cutoffs", q)
+    positive("curve", q)
     with np.errstate(divide="ignore"):
         logs = np.log([(computed[k].hysteresis, computed[k].share) for k in q])
     whole = np.isfinite(logs).all((0, 1))
