@@ -1,5 +1,6 @@
 """The recipes of CONTRIBUTING.md, applied as they stand there to a copy of the package."""
 
+import ast
 import os
 import re
 import shutil
@@ -26,7 +27,7 @@ class Recipe:
         for step in steps:
             code = re.search(r"^   ```python\n(.*?)^   ```$", step, re.DOTALL | re.M)
             if code is not None:
-                path = re.search(r"`src/elastomdr/([\w/]+\.py)`", step)
+                path = re.search(r"`src/elastomdr/([\w/]+\.pyi?)`", step)
                 assert path is not None, step
                 self.steps.append((path.group(1), textwrap.dedent(code.group(1))))
 
@@ -80,9 +81,21 @@ def copy(tmp_path):
 
 
 def test_a_road_model(copy, tmp_path):
-    numbers, imported, kind, label, name = Recipe("A model").steps
+    steps = Recipe("A model").steps
+    model, imported, kind, label, name, stub, said, key, word = steps
+    (tmp_path / "scene.toml").write_text(
+        'material = "rubber.toml"\n'
+        '[surface]\nshape = "self_affine"\nhurst = 0.8\nq_low = "1e3 rad/m"\nq_high = "1e5 rad/m"\n'
+        "rms_slope = 0.5\n"
+        '[contact]\npressure = "3 bar"\nvelocity = "1 m/s"\nmodel = "toy"\n'
+        "share = 0.25\n",
+        encoding="utf-8",
+    )
     use = """
         import elastomdr as em
+        from elastomdr.app import words
+        from elastomdr.cli.keys import as_markdown
+        from elastomdr.cli.main import main
         rubber = em.Prony(equilibrium=1e6, moduli=[1e6], times=[1e-3])
         road = em.SelfAffine(hurst=0.8, q_low=1e3, q_high=1e5, rms_slope=0.5)
         given = {"velocity": [0.1, 1.0], "pressure": 3e5}
@@ -90,18 +103,36 @@ def test_a_road_model(copy, tmp_path):
         half = em.friction(rubber, road, model=em.Toy(share=0.25), **given)
         assert (curve.mu == rubber.loss_tangent(1e3 * curve.velocity) / 2).all()
         assert (2 * half.mu == curve.mu).all()
-        import msgspec
-        from elastomdr.cli.scene import ModelName
-        print(msgspec.convert("toy", ModelName))
+        try:
+            em.Toy(share=2.0)
+        except em.InputError as error:
+            assert (error.argument, error.got) == ("share", 2.0)
+        em.save_material(rubber, "rubber.toml")
+        assert main(["friction", "scene.toml"]) == 0
+        row = open("scene-friction.csv").read().splitlines()[-1]
+        assert f"{half.mu[1]:.6g}"[:6] in row, row
+        assert "share of the loss tangent" in as_markdown()
+        assert words.title(("contact", "share")) == "Share of the loss tangent"
+        print("Toy as Toy" in open(em.__file__ + "i").read())
     """
     assert "toy" in copy.run(use, tmp_path).stderr
-    (copy.source / "elastomdr" / numbers[0]).write_text(numbers[1], encoding="utf-8")
+    for function in ast.walk(ast.parse(model[1])):
+        if isinstance(function, ast.FunctionDef):
+            assert function.returns is not None, function.name
+            assert all(given.annotation for given in function.args.args[1:])
+    copy.insert(model[0], f"{model[1]}\n\n", before="@constructor_in_si")
     copy.insert(imported[0], imported[1], before="from ..surface.rough_line")
     copy.insert(kind[0], kind[1], before="HalfSpace,", after="KINDS: dict")
     copy.insert(label[0], label[1], before='"half-space",')
-    copy.insert(name[0], name[1], before='"rough.road_models"')
+    copy.replace(
+        name[0], '"rough.road_models": (', f'"rough.road_models": ({name[1].strip()} '
+    )
+    copy.insert(stub[0], stub[1], before="from .rough.road_models import Persson")
+    copy.insert(said[0], said[1], before="gamma: persson", after="class ContactTable")
+    copy.insert(key[0], key[1], before="gamma: float", after="class ContactTable")
+    copy.insert(word[0], word[1], before='"gamma":')
     ran = copy.run(use, tmp_path)
-    assert ran.stdout.split() == ["toy"], ran.stderr
+    assert ran.stdout.split()[-1:] == ["True"], ran.stdout + ran.stderr
 
 
 def test_an_indenter(copy, tmp_path):
