@@ -413,6 +413,22 @@ def test_what_friction_does_not_decide_is_said():
         )
 
 
+def test_parameters_that_do_not_describe_the_data():
+    """A cutoff alone, where most of the friction is adhesion."""
+    _, mu, size = drawn_rig(3)
+    with pytest.warns(em.fit.FitWarning, match="times the error given"):
+        found = em.fit.calibrate(
+            TREAD,
+            GROUND,
+            measured=mu,
+            error=size,
+            parameters=("q_high",),
+            widths={"q_high": 0.2},
+            **RIG,
+        )
+    assert any(said.startswith("q_high went") for said in found.warnings)
+
+
 def test_points_far_off_and_the_table(tmp_path):
     _, mu, size = drawn_rig(3)
     mu[3] *= 1.5

@@ -384,11 +384,10 @@ class Calibrated(NamedTuple):
             )
         ]
         shown = {"residuals": "residuals", "least known": "weakest"}
-        shown |= {name: name for name in found.undecided}
         said += [
             (shown[name], words) for name, words in found.findings() if name in shown
         ]
-        return [*said, *(("doubt", words) for words in found.warnings)]
+        return [*said, *[("doubts", " ".join(found.warnings))][: len(found.warnings)]]
 
 
 def calibrated(

@@ -241,6 +241,8 @@ _STEPS_SMOOTH, _STEPS = (1e-3,), (0.05, 0.0125)
 _EXACTLY, _ROUGHLY = 1e-8, 1e-3
 # uncertainty of a parameter over that of its prior, and correlation of two, doubted
 _NOT_LEARNED, _CORRELATED = 0.7, 0.98
+_MISFIT = 1.5  # rms of the residuals over the error given, doubted
+_HALF = 0.6745  # standard deviations within which half of all points lie
 _FAR = 3.5  # standard deviations, of all points but those, off the curve
 _NAMED = 3  # points far off that are named, the farthest
 _DEGREES = 5.0  # of freedom of the distribution from which draws are proposed
@@ -532,7 +534,7 @@ def calibrate(
         if scene.get(name) is not None
     }
     doubted = (
-        *_judge(names, std, spread, solution, counted),
+        *_judge(task, names, std, solution, counted),
         *_name_far(data - solution.computed, solution, places),
     )
     tell(doubted)
@@ -559,15 +561,13 @@ def calibrate(
 
 
 def _judge(
+    task: _Task,
     names: list[str],
     std: np.ndarray,
-    prior: np.ndarray,
     solution: _Solution,
     counted: float,
 ) -> Iterator[str]:
-    """What cannot be relied on; `prior` are standard deviations without the data,
-    `counted` is the part of the draws that count.
-    """
+    """What cannot be relied on; `counted` is the part of the draws that count."""
     if counted < _POOR:
         yield (
             f"Only {counted:.1%} of the draws count: the data leave the parameters a "
@@ -581,6 +581,21 @@ def _judge(
             "count "
             "for nothing."
         )
+    off = ((task.data - solution.computed) / solution.sigma)[solution.used]
+    # far points are named one by one
+    misfit = float(np.median(np.abs(off))) / _HALF
+    if task.error is not None and misfit > _MISFIT:
+        yield (
+            f"Residuals are {misfit:.2g} times the error given: these parameters do not "
+            "describe the data, and their intervals mean nothing."
+        )
+    prior, moves = task.spread, solution.point - task.begin
+    for name, moved, before in zip(names, moves, prior, strict=True):
+        if abs(moved) > _FAR * before:
+            yield (
+                f"{name} went {abs(moved) / before:.2g} times as far as was assumed of it "
+                "beforehand: something else is missing."
+            )
     for name, after, before in zip(names, std, prior, strict=True):
         if after > _NOT_LEARNED * before:
             yield (
@@ -601,8 +616,7 @@ def _name_far(
 ) -> Iterator[str]:
     """Points that lie off the curve as no scatter of the others would have it."""
     off = np.where(solution.used, residuals / solution.sigma, 0.0)
-    # half of the points lie within .6745 standard deviations
-    size = max(float(np.median(np.abs(off[solution.used]))) / 0.6745, 1e-12)
+    size = max(float(np.median(np.abs(off[solution.used]))) / _HALF, 1e-12)
     far = np.argsort(-np.abs(off), axis=None)
     far = far[: int((np.abs(off) > _FAR * size).sum())]
     if not far.size:
