@@ -21,7 +21,7 @@ ROOMS = {
     "fit": 67,
     "smooth": 48,
     "seal": 41,
-    "results": 37,
+    "results": 39,
     "io": 37,
     "surface": 31,
     "app": 29,

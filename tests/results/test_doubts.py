@@ -14,7 +14,7 @@ import elastomdr as em
 from elastomdr.results.doubts import SHORT
 from elastomdr.surface.topography import MeasuredSurface
 
-from ..refused import refused
+from ..refused import mentions, refused
 
 ROAD = em.SelfAffine(0.8, rms_slope=1.2, q_low=1e3, q_high=1e5)
 BALL = em.Sphere(5e-3)
@@ -280,47 +280,122 @@ class TestUncertainty:
         shear = em.AdhesiveShear(5e5, 1e-2, 0.1)
         curve = em.friction(TREAD, ROAD, adhesion=shear, **SCENE)
         found = curve.uncertainty()
-        names = ["numerical", "model", "rubber", "road", "shear law", "temperature"]
-        assert [part.source for part in found] == names
-        roads = [ROAD.ended(q) for q in (2e5, 5e4)]
-        ends = [em.friction(TREAD, road, adhesion=shear, **SCENE).mu for road in roads]
-        apart = np.max(np.abs(np.array(ends) / curve.mu - 1), axis=0)
-        np.testing.assert_allclose(found["road"].share, apart, rtol=2e-3)
-        ends = [
-            em.friction(TREAD, ROAD, adhesion=shear, **SCENE | {"temperature": t}).mu
-            for t in (291.15, 295.15)
-        ]
-        apart = np.max(np.abs(np.array(ends) / curve.mu - 1), axis=0)
-        np.testing.assert_allclose(found["temperature"].share, apart, atol=2e-4)
-        stronger = em.AdhesiveShear(6e5, 1e-2, 0.1)
-        more = em.friction(TREAD, ROAD, adhesion=stronger, **SCENE).mu
-        np.testing.assert_allclose(
-            found["shear law"].share, more / curve.mu - 1, rtol=1e-9
-        )
-        np.testing.assert_array_equal(
-            found["model"].share, curve.model_error / curve.mu
-        )
+        names = ["numerical", "model", "rubber", "road", "road heights", "shear law"]
+        assert [part.source for part in found] == [*names, "temperature"]
+
+        def apart(**changed):
+            given = {"shape": ROAD, "adhesion": shear} | SCENE | changed
+            return np.abs(em.friction(TREAD, **given).mu / curve.mu - 1)
+
+        changes = {
+            "road": ([{"shape": ROAD.ended(q)} for q in (2e5, 5e4)], 0.0),
+            "road heights": ([{"shape": ROAD.raised(f)} for f in (1.1, 0.9)], 0.2),
+            "shear law": (
+                [{"adhesion": em.AdhesiveShear(t, 1e-2, 0.1)} for t in (4e5, 6e5)],
+                0.0,
+            ),
+            "temperature": ([{"temperature": t} for t in (292.15, 294.15)], 0.3),
+        }
+        for source, (calls, left) in changes.items():
+            share = np.max([apart(**call) for call in calls], axis=0)
+            np.testing.assert_allclose(found[source].share, share, rtol=2e-3, atol=2e-4)
+            np.testing.assert_allclose(found[source].after, left * found[source].share)
+        of_model = curve.model_error / curve.mu
+        np.testing.assert_allclose(found["model"].share, of_model, rtol=1e-9)
         assert np.isnan(found["rubber"].share).all()
         with refused("source", "numerical"):
             _ = found["weather"]
 
-    def test_what_matters_most_comes_first(self):
-        curve = em.friction(TREAD, ROAD, **SCENE)
-        first, second, *rest = curve.uncertainty().surer()
-        assert {first.source, second.source} == {"rubber", "shear law"}  # not known
-        shares = [part.largest for part in rest]
-        assert shares == sorted(shares, reverse=True)
-        assert min(shares) > 0.02
+    def test_with_heat_a_stronger_shear_heats_more(self):
+        shear = em.AdhesiveShear(2e6, 1e-2, 0.1)
+        scene = SCENE | {"velocity": [0.1, 1.0], "heat": em.Heat(0.3, 2e6)}
+        curve = em.friction(TREAD, ROAD, adhesion=shear, **scene)
+        ends = [
+            em.friction(TREAD, ROAD, **scene, adhesion=em.AdhesiveShear(t, 1e-2, 0.1))
+            for t in (1.6e6, 2.4e6)
+        ]
+        apart = np.max([np.abs(end.mu / curve.mu - 1) for end in ends], axis=0)
+        share = curve.uncertainty()["shear law"].share
+        np.testing.assert_allclose(share, apart, rtol=1e-2)
+        assert (share < 0.98 * 0.2 * curve.adhesion / curve.mu).any()
 
-    def test_no_bound_is_not_a_small_one(self):
-        """Where the model has no bound its share is not known, and in front."""
+    def test_moduli_beyond_the_data_are_changed_where_the_data_end(self):
+        """Of branches at 1e3 and 1e5 /s, data to 1e4 rad/s: the second is beyond."""
+        known = rubber(range={"omega": (1.0, 1e4)})
+        scene = {"velocity": V, "pressure": 3e5}
+        with pytest.warns(em.ExtrapolationWarning):
+            curve = em.friction(known, ROAD, **scene)
+        found = curve.uncertainty()["rubber beyond its data"]
+        ends = [
+            em.friction(em.Prony(1e6, [4e6, far], [1e-3, 1e-5]), ROAD, **scene).mu
+            for far in (4e6, 1.6e7)
+        ]
+        apart = np.max(np.abs(np.array(ends) / curve.mu - 1), axis=0)
+        np.testing.assert_allclose(found.share, apart, rtol=2e-3, atol=2e-4)
+        assert found.share.max() > 0.1
+        # a decade more holds both branches
+        np.testing.assert_allclose(found.after, 0.0, atol=2e-4)
+        measured = rubber(range={"omega": (1e-3, 1e12)})
+        sources = [p.source for p in em.friction(measured, ROAD, **scene).uncertainty()]
+        assert "rubber beyond its data" not in sources
+
+    def test_a_change_that_leaves_no_prediction_is_said(self):
+        """Shear 10 % below the pressure: 20 % more of it is above."""
+        strong = em.AdhesiveShear(5e5, 1e-2, 0.0)
+        at = {"velocity": 1e-2, "pressure": 3e5}
+        once = em.friction(rubber(), ROAD, adhesion=strong, **at)
+        strong = em.AdhesiveShear(float(5e5 * 0.9 / once.adhesion), 1e-2, 0.0)
+        curve = em.friction(rubber(), ROAD, adhesion=strong, **at)
+        assert np.isfinite(curve.model_error)
+        assert mentions(curve.uncertainty()["shear law"].assumed, "no prediction at 1")
+
+    def test_tests_come_by_how_much_they_narrow_the_band(self):
+        shear = em.AdhesiveShear(5e5, 1e-2, 0.1)
+        found = em.friction(TREAD, ROAD, adhesion=shear, **SCENE).uncertainty()
+        names = ["numerical", "model"]
+        bounds = sum(found[name].share for name in names)
+        rest = [p.share for p in found if p.source not in (*names, "rubber")]
+        band = bounds + np.sqrt(np.sum(np.square(rest), axis=0))
+        np.testing.assert_allclose(found.band(), band, rtol=1e-12)
+        *known, last = found.surer()
+        assert "draws" in last.test  # what is not known comes last
+        assert np.isnan(last.after)
+        left = [each.after for each in known]
+        assert left == sorted(left)
+        assert all(each.before == band.max() for each in known)
+        # measured friction settles model, cutoff and shear law, but for its own error
+        rest = found["road heights"].share, found["temperature"].share
+        after = np.sqrt(np.square(rest).sum(0) + 0.05**2 / 3)
+        assert known[0].after == pytest.approx((found["numerical"].share + after).max())
+        assert mentions(found.summary(), known[0].words())
+
+    def test_the_figure_has_a_bar_for_each_part(self):
+        found = em.friction(TREAD, ROAD, **SCENE).uncertainty()
+        ax = found.plot()
+        names = [text.get_text() for text in ax.texts]
+        for part, name in zip(found, names, strict=False):
+            unknown = np.isnan(part.share).any()
+            assert name == part.source + " (not known)" * int(unknown)
+        ends = [c.get_paths()[0].vertices[:, 0].max() for c in ax.collections]
+        for part in found:
+            if np.isfinite(part.largest):
+                assert np.isclose(ends, 100 * part.largest).any()
+
+    def test_limits_of_mu_are_the_share_of_the_model_where_it_has_no_bound(self):
+        """No bound is not a small one."""
         curve = no_prediction()
         part = curve.uncertainty()["model"]
-        np.testing.assert_array_equal(
-            np.isnan(part.share), points(curve.doubts, "no prediction")
-        )
-        assert np.isnan(part.largest)
-        assert "where it is known" in part.words()
+        lost = np.asarray(points(curve.doubts, "no prediction"))
+        assert 0 < lost.sum() < lost.size
+        off = np.maximum(curve.mu_high - curve.mu, curve.mu - curve.mu_low)
+        share = (off - curve.error) / curve.mu
+        np.testing.assert_allclose(part.share, share)
+        assert part.share[lost].min() > part.share[~lost].max()
+        bare = dataclasses.replace(curve, mu_low=None, mu_high=None)
+        found = bare.uncertainty()
+        np.testing.assert_array_equal(np.isnan(found["model"].share), lost)
+        np.testing.assert_array_equal(np.isnan(found.band()), lost)
+        assert mentions(found["model"].words(), "where it is known")
 
     def test_draws_are_the_part_of_the_rubber(self):
         curves = [
@@ -332,7 +407,7 @@ class TestUncertainty:
         share = drawn.uncertainty()["rubber"].share
         np.testing.assert_allclose(share, 0.5 * (high - low) / median)
         several = type(curves[0]).stack(curves, ["a", "b", "c"])
-        with pytest.raises(em.InputError, match="material must be chosen"):
+        with refused("material", "a", "c"):
             several.uncertainty()
         assert several.select("b").uncertainty()["road"].share.shape == V.shape
 
@@ -369,7 +444,7 @@ class TestUncertainty:
     def test_beyond_a_shift_law_a_share_is_not_known(self):
         law = em.ShiftTable([290.0, 293.0, 300.0], [0.1, 0.0, -0.2])
         tread = em.Prony(1e6, [4e6], [1e-3], shift=law)
-        at = {"velocity": V, "pressure": 3e5, "temperature": 291.0}
+        at = {"velocity": V, "pressure": 3e5, "temperature": 290.5}
         part = em.friction(tread, ROAD, **at).uncertainty()["temperature"]
         assert np.isnan(part.share).all()
 

@@ -16,7 +16,7 @@ from ..errors import InputError
 from ..results.axes import Axis, Curve, peak
 from ..results.base import Result
 from ..results.curve import FITTED, AbstractCurve, Ranking
-from ..results.uncertainty import Part, Uncertainty
+from ..results.uncertainty import SMALL, Uncertainty, computed, percent
 from ..results.words import in_words
 from .scene import CancelledError, Done
 from .session import COMPUTING
@@ -44,18 +44,8 @@ _REMEDIES = {  # in place of the doubt's own, which stands behind its points
     _UNKNOWN: "",  # a measured value, which is said where the bound is wide as well
     "extrapolated": "moduli measured at more temperatures and frequencies",
 }
-_LOWER = {  # what lowers a part of the uncertainty, by its source
-    "numerical": "A fit closer to the moduli, or a smaller relative tolerance.",
-    "model": "Measured friction, to compare with: drop it on the friction screen.",
-    "rubber": "The uncertainty of the rubber: draws of its fit, under “More”.",
-    "road": "The shortest wave that the rubber feels, found from measured friction.",
-    "road sampling": "A map of more of the longest waves of the road, or several maps.",
-    "shear law": "A shear law fitted to measured friction.",
-    "temperature": "The measured temperature of the rubber.",
-}
-_NOT_KNOWN = "not known"
 AWAITED = "what road, shear and temperature change is being computed"
-_FINE = 0.02  # relative uncertainty from which on a number needs nothing surer
+_TEST = "a measured value to compare with"
 
 
 class Card(NamedTuple):
@@ -125,25 +115,33 @@ def cards(
         notes += (f"{failed} without a converged point",) if failed else ()
         curve = "curve" if more == 1 else "curves"
         shown.append(Card(f"And {more} more {curve}", "", notes))
-    notes, ways = _how_sure(result, tops), list(_ends(result, axis, tops))
-    number = _whole(result, tops)
-    if parts is None:
-        ways += _ways(result, tops)
-    else:
-        ranked = _ranked(parts, tops)
-        notes = list(_parts(ranked))
-        if number != _NOT_KNOWN:
-            share, largest = ranked[0]
-            number = f"± {_percent(share)} by the {largest.source}"
-        matter = (_way(result, part) for share, part in ranked if not share <= _FINE)
-        ways = [*matter, *ways]
+    table = _known(result) if parts is None else parts
+    table = table.at([top.place_in_result for top in tops])
+    order = sorted(table, key=lambda part: -np.nan_to_num(part.largest, nan=-1.0))
+    notes = [f"{p.source} {percent(p.largest)}: {p.assumed}" for p in order]
     notes += [*_counted(result), *[AWAITED] * awaited]
-    ways = list(dict.fromkeys(ways)) or ["Nothing: the uncertainty is small."]
+    tests = (each.words() for each in table.surer())
+    ways = [f"{way[0].upper()}{way[1:]}." for way in tests]
+    if isinstance(result, em.ORing):
+        ways = ["Whether the groove keeps the ring at its length: choose held or free."]
+    ways += _ends(result, axis, tops)
+    half = float(np.max(table.band()))
+    number = f"± {percent(half)}" if half > 1e-3 else percent(half)
+    if isinstance(result, em.Leak):
+        number = f"a factor of {significant(1 + half, 2)}"
     return [
         *shown,
         Card("How sure", number, tuple(notes)),
-        Card("What would make it surer", "", tuple(ways)),
+        Card("What would make it surer", "", tuple(dict.fromkeys(ways))),
     ]
+
+
+def _known(result: Result) -> Uncertainty:
+    """What is known of a result without computing more."""
+    error, bound = _errors(result)
+    value = getattr(result, result.shows)
+    fitted = FITTED in dict(result.inputs)
+    return Uncertainty(tuple(computed(value, error, bound, fitted, _TEST)))
 
 
 def _title(result: Result, top: _Top) -> str:
@@ -310,42 +308,13 @@ def _duration(seconds: float) -> str:
 
 def _in_brackets(result: Result, top: _Top) -> str:
     """The uncertainty behind a number, where it is known and can be seen in its digits."""
-    if top.share(top.spread) < 0.1 * _FINE:
+    if top.share(top.spread) < 0.1 * SMALL:
         return ""
     if isinstance(result, em.Leak):
         factor = 1 + top.share(top.spread)
         return f" within a factor of {significant(factor, 2)}"
     _, scale = _AS_SHOWN.get(_shown(result).unit, ("", 1.0))
     return f" ± {significant(scale * top.spread, 2)}"
-
-
-def _how_sure(result: Result, tops: list[_Top]) -> list[str]:
-    """The parts of the largest relative uncertainty of the values."""
-    error = _percent(max(top.share(top.error) for top in tops))
-    notes = [f"computation {error}", "uncertainty of the rubber: not computed"]
-    if _knows_fit(result):
-        notes = [f"computation and fit of the rubber {error}"]
-    if "drawn" in dict(result.inputs):
-        notes = [f"computation and draws {error}"]
-    if getattr(result, "model_error", None) is None:
-        notes.append("model: no bound is known here")
-    elif any(np.isinf(top.model_error) for top in tops):
-        notes.append("model: the channels may as well be closed")
-    elif not isinstance(result, em.Leak):
-        known = [top.model_error / abs(top.y) for top in tops if top.y]
-        bound = max((share for share in known if np.isfinite(share)), default=0.0)
-        notes += [f"model at most {_percent(bound)}"] * bool(np.isfinite(known).any())
-    return notes
-
-
-def _whole(result: Result, tops: list[_Top]) -> str:
-    """The largest relative uncertainty of the values, where that of all is known."""
-    if not all(np.isfinite(top.model_error) for top in tops):
-        return _NOT_KNOWN
-    most = max(top.share(top.spread) for top in tops)
-    if isinstance(result, em.Leak):
-        return f"a factor of {significant(1 + most, 2)}"
-    return f"± {_percent(most)}".replace("± below", "below")
 
 
 def _counted(result: Result) -> Iterator[str]:
@@ -355,47 +324,9 @@ def _counted(result: Result) -> Iterator[str]:
         yield f"{_called(doubt)}: {points}"
 
 
-def _ranked(parts: Uncertainty, tops: list[_Top]) -> list[tuple[float, Part]]:
-    """How much of the values each part may change, the largest first, then those that
-    are not known (NaN).
-    """
-    places = [top.place_in_result for top in tops]
-    shares = [(float(np.max(np.ravel(part.share)[places])), part) for part in parts]
-    return sorted(shares, key=lambda pair: -np.nan_to_num(pair[0], nan=-1.0))
-
-
-def _parts(ranked: list[tuple[float, Part]]) -> Iterator[str]:
-    """What the values rest on."""
-    for share, part in ranked:
-        if np.isfinite(share):
-            yield f"{part.source} {_percent(share)}: {part.assumed}"
-        elif part.source == "model":
-            yield "model: no bound is known here"
-        else:
-            yield f"{part.source}: {part.assumed}"
-
-
-def _way(result: Result, part: Part) -> str:
-    """What would lower a part, in the words of the page."""
-    if part.source == "shear law" and getattr(result, "adhesion", None) is None:
-        return "The adhesive shear of the real contact, where the road is dry."
-    return _LOWER.get(part.source, part.remedy)
-
-
 def _called(doubt: em.Doubt) -> str:
     """What a doubt of several values is called."""
     return _KINDS.get(doubt.kind, doubt.kind)
-
-
-def _knows_fit(result: Result) -> bool:
-    """Whether the error holds what the rubber's fit misses of its data; elsewhere it is
-    numerical only.
-    """
-    return FITTED in dict(result.inputs)
-
-
-def _percent(share: float) -> str:
-    return f"{significant(100 * share, 2)} %" if share >= 1e-3 else "below 0.1 %"
 
 
 def _ends(result: Result, axis: Axis, tops: list[_Top]) -> Iterator[str]:
@@ -407,27 +338,3 @@ def _ends(result: Result, axis: Axis, tops: list[_Top]) -> Iterator[str]:
             yield "Higher velocities: a peak may lie beyond the highest."
         if any(not top.inside and top.slow for top in tops):
             yield "Lower velocities: a peak may lie below the lowest."
-
-
-def _ways(result: Result, tops: list[_Top]) -> Iterator[str]:
-    """What else would make the values surer, what matters most first."""
-    if isinstance(result, em.ORing):
-        yield "Whether the groove keeps the ring at its length: choose held or free."
-        return
-    bound = max(top.share(top.model_error) for top in tops)
-    error = max(top.share(top.error) for top in tops)
-    unknown = any(not np.isfinite(top.model_error) for top in tops)
-    if unknown or bound > max(_FINE, error):
-        yield (
-            _LOWER["model"]
-            if result.shows == "mu" and isinstance(result, AbstractCurve)
-            else "A measured value, to compare with."
-        )
-    if not _knows_fit(result):
-        yield "The uncertainty of the rubber, which is not computed here: draws of a fit."
-    if error > _FINE:
-        yield (
-            _LOWER["numerical"]
-            if _knows_fit(result)
-            else "A smaller relative tolerance."
-        )

@@ -22,13 +22,20 @@ from .base import Array, Result, part, quantity, record, setting
 from .doubts import TITLE, Doubt, carried, found, kinds_of_points
 from .friction_law import FrictionLaw, Ranked, gridded
 from .uncertainty import (
+    BEYOND,
     ERRORS,
     FACTOR,
+    HEIGHTS,
     KELVIN,
+    MEASURED,
     STRESS,
+    Change,
+    Judged,
     Part,
     Uncertainty,
+    computed,
     largest_change,
+    percent,
 )
 from .words import in_words
 
@@ -361,113 +368,120 @@ class FrictionCurve(AbstractCurve):
         """The doubts of the friction without heating; where the call is not known those
         of the rubber that is hot.
         """
-        if self.again is None or isinstance(self.again, tuple):
+        cold = self._once_more(Change(heated=False))
+        if cold is None:
             return (doubt for doubt in self.examined() if doubt.kind != "hot branch")
-        return self.again.cold().examined()
+        return cold.examined()
+
+    def _once_more(self, change: Change) -> Judged | None:
+        """The curve with one thing changed; None where it cannot be computed."""
+        if self.again is None or isinstance(self.again, tuple):
+            return None
+        return self.again.curve(change)
 
     def uncertainty(self) -> Uncertainty:
         """What mu rests on, part by part: numerical, model, rubber, road, shear law,
-        temperature; how much of mu each may change, and what would lower that.
+        temperature; how much of mu each may change, and which tests would make it surer.
 
         By convention the shortest wave of a road is changed by a factor of two each
-        way, a measured spectrum by two of its standard errors, the shear stress by
-        20 %, the temperature by 2 K each way: mu is computed again for road and
-        temperature, so that this takes up to six times as long as the curve. Of draws
-        the rubber's part is half of the interval of 95 % of them.
+        way, its heights by 10 % or, of a scan, its spectrum by two standard errors, the
+        shear stress by 20 %, the temperature by 1 K, moduli beyond their data by a
+        factor of two: mu is computed again for each, so that this takes up to twelve
+        times as long as the curve. Of draws the rubber's part is half of the interval
+        of 95 % of them, the others are those of the first draw.
         Raises `InputError` for several materials that are no draws.
         """
-        if self.origins and not self.drawn:
+        if not self.origins:
+            return Uncertainty(tuple(self._parts()))
+        if not self.drawn:
             raise InputError(
                 argument="material",
                 got=list(self.materials),
                 accepted="one for an uncertainty",
                 hint="choose it by .select(name)",
             )
-        if not self.drawn:
-            return Uncertainty(tuple(self._parts()))
         low, median, high = self.band()
-        drawn = Part(
-            "rubber",
-            0.5 * (high - low) / np.abs(median),
-            f"95 % of {len(self.origins)} draws",
-            "a fit of more measurements",
-        )
-        parts = self.typical()._parts()
+        share = 0.5 * (high - low) / np.abs(median)
+        said = f"95 % of {len(self.origins)} draws"
+        test = "a fit of four times as many measurements"
+        drawn = Part("rubber", share, said, test, 0.5 * share)
+        parts = next(self.each_material())._parts()
         return Uncertainty(
             tuple(drawn if part.source == "rubber" else part for part in parts)
         )
 
     def _parts(self) -> Iterator[Part]:
         mu = np.asarray(self.mu, dtype=float)
-        unknown = np.full(mu.shape, np.nan)
-
-        def share(absolute: Array | float) -> np.ndarray:
-            return np.asarray(absolute) / np.where(mu == 0, np.nan, np.abs(mu))
-
-        again = self.again
-
-        def off(
-            shorter: float = 1.0, kelvin: float = 0.0, sampled: float = 0.0
-        ) -> np.ndarray | None:
-            if again is None or isinstance(again, tuple):
-                return None
-            return again.mu(shorter, kelvin, sampled)
-
+        bound, told = self.model_error, tuple(self.examined())
+        if self.mu_low is not None and self.mu_high is not None:
+            bound = np.maximum(self.mu_high - mu, mu - self.mu_low) - self.error
         fitted = FITTED in dict(self.inputs)
-        yield Part(
-            "numerical",
-            share(self.error),
-            "error of the computation"
-            + (" and what the fit of the rubber misses" if fitted else ""),
-            "a smaller rtol" + (" and a closer fit of the moduli" if fitted else ""),
-        )
-        yield Part(
-            "model",
-            share(0.0 * mu if self.model_error is None else self.model_error),
-            "its bound" if self.model_error is not None else "exact by definition",
-            "a measured value to compare with",
-        )
-        yield Part(
-            "rubber",
-            unknown,
-            "not computed",
-            "draws of a fit, em.fit.material(...).draws(n), in place of the material",
-        )
+        bound = 0.0 * mu if bound is None else bound
+        yield from computed(mu, self.error, bound, fitted, MEASURED)
+
+        def part(
+            source: str, assumed: str, test: str, left: float, *changes: Change
+        ) -> Part:
+            curves = [self._once_more(change) for change in changes]
+            share, lost = largest_change(mu, told, curves)
+            return Part(source, share, assumed + lost, test, left * share)
+
+        def beyond(decades: float) -> Part:
+            return part(
+                "rubber beyond its data",
+                f"moduli beyond their data off by a factor of {BEYOND:g}",
+                "moduli measured over one more decade at each end",
+                1.0,
+                *(Change(beyond=f, decades=decades) for f in (BEYOND, 1 / BEYOND)),
+            )
+
+        if self.extrapolated is not None and np.any(self.extrapolated):
+            yield beyond(0.0)._replace(after=beyond(1.0).share)
         if self.pressure is not None:
-            yield Part(
+            yield part(
                 "road",
-                share(largest_change(mu, off(shorter=FACTOR), off(shorter=1 / FACTOR))),
-                "shortest wave off by a factor of two; else as it is given",
-                "a cutoff calibrated by measured friction, elastomdr calibrate",
+                f"shortest wave off by a factor of {FACTOR:g}",
+                MEASURED,
+                0.0,
+                *(Change(shorter=factor) for factor in (FACTOR, 1 / FACTOR)),
             )
-        if again is not None and not isinstance(again, tuple) and again.measured:
-            yield Part(
-                "road sampling",
-                share(largest_change(mu, off(sampled=ERRORS), off(sampled=-ERRORS))),
-                f"its spectrum off by {ERRORS:g} standard errors at all scales",
-                "a map of more of its longest waves, or several maps",
-            )
+            again = self.again
+            if again is None or isinstance(again, tuple) or not again.measured:
+                yield part(
+                    "road heights",
+                    f"off by {100 * HEIGHTS:g} % at all scales",
+                    "a scan of the road, its heights known to 2 %",
+                    0.02 / HEIGHTS,
+                    *(Change(higher=1 + off) for off in (HEIGHTS, -HEIGHTS)),
+                )
+            else:
+                yield part(
+                    "road sampling",
+                    f"its spectrum off by {ERRORS:g} standard errors at all scales",
+                    "a scan of four times the area",
+                    0.5,
+                    *(Change(sampled=errors) for errors in (ERRORS, -ERRORS)),
+                )
         if self.adhesion is not None:
-            of_mu = float(np.nanmean(share(self.adhesion)))
-            yield Part(
+            of_mu = percent(float(np.nanmean(np.asarray(self.adhesion) / mu)))
+            yield part(
                 "shear law",
-                STRESS * share(self.adhesion),
-                f"shear stress off by {STRESS:.0%}; it makes {of_mu:.0%} of mu",
-                "a shear law fitted to measured friction, em.fit.adhesion",
+                f"shear stress off by {100 * STRESS:g} %; it makes {of_mu} of mu",
+                MEASURED,
+                0.0,
+                *(Change(stress=1 + off) for off in (STRESS, -STRESS)),
             )
         elif self.pressure is not None:
-            yield Part(
-                "shear law",
-                unknown,
-                "no shear of the real contact is in mu",
-                "adhesion=em.AdhesiveShear(...) where the road is dry",
-            )
+            unknown, test = np.full(mu.shape, np.nan), "adhesion= where the road is dry"
+            none = "no shear of the real contact is in mu"
+            yield Part("shear law", unknown, none, test, unknown)
         if self.temperature is not None:
-            yield Part(
+            yield part(
                 "temperature",
-                share(largest_change(mu, off(kelvin=KELVIN), off(kelvin=-KELVIN))),
                 f"off by {KELVIN:g} K",
-                "the measured temperature of the rubber",
+                "the temperature of the rubber measured to 0.3 K",
+                0.3 / KELVIN,
+                *(Change(kelvin=off) for off in (KELVIN, -KELVIN)),
             )
 
     @in_si

@@ -500,3 +500,25 @@ def _draw_bar(
             ax=ax,
         )
     )
+
+
+def draw_parts(parts: Mapping[str, np.ndarray], ask: DrawAsk) -> Axes:
+    """What a number rests on: the share of each part as a bar, up to the largest of any
+    point, dark up to the smallest.
+    """
+    title = "What friction rests on"
+    entry = Entry(title, title, ("Share of the friction coefficient [%]", ""))
+    sketch, half = Sketch(ask, entry), np.full(2, 0.25)
+    for i, (name, share) in enumerate(parts.items()):
+        known = 100 * share[np.isfinite(share)]
+        for end, opacity in (
+            (known.min(initial=np.inf), 1.0),
+            (known.max(initial=0.0), 0.4),
+        ):
+            reach = np.array([0.0, end if known.size else 0.0])
+            bar = Shaded(reach, i - half, i + half, "", PALETTE[0], opacity=opacity)
+            sketch.add(bar)
+        name += "" if known.size == share.size else " (not known)"
+        sketch.add(Caption(name, 0.0, i - 0.3, side="left", offset=(2, 0)))
+    sketch.ax.set(yticks=[], xlim=(0, None), ylim=(len(parts) - 0.5, -0.75))
+    return sketch.finish()

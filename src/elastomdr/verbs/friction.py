@@ -14,16 +14,21 @@ from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import is_traced, numpy_unless_traced
 from ..errors import InputError, quiet
+from ..material.relaxation import AbstractRelaxation
+from ..models import Line
 from ..progress_bar import reporter
 from ..results.curve import FrictionCurve
+from ..results.uncertainty import Change
 from ..rough.adhesion import AdhesiveShear, check_adhesion, on_contact
 from ..rough.heat import Branch, Heat
 from ..rough.problem import RoughCall
+from ..rough.road_model import SurfaceModel
 from ..smooth.on_layer import is_on_layer
 from ..smooth.problem import SmoothCall
 from ..surface.shapes import AbstractShape
 from ..surface.spectrum import AbstractSpectrum
 from ..surface.topography import MeasuredSurface
+from ..trees import replaced
 from .roads import cells_of_body, friction_by, hint_at_line, of_rough
 from .steady import in_64_bits_where, steady_contact
 
@@ -40,7 +45,8 @@ class _Again:
     """A call of `friction` once more, as `results.uncertainty.Again`."""
 
     call: RoughCall | SmoothCall
-    solve: Callable[[Any], FrictionCurve]
+    adhesion: AdhesiveShear | None
+    solve: Callable[[Any, AdhesiveShear | None], FrictionCurve]
 
     @property
     def measured(self) -> bool:
@@ -48,55 +54,83 @@ class _Again:
         surface = getattr(self.call, "surface", None)
         return isinstance(surface, MeasuredSurface)
 
-    def cold(self) -> FrictionCurve:
-        """The curve without heating."""
-        assert isinstance(self.call, RoughCall)
-        call = dataclasses.replace(self.call, heat=None, branch="cold", progress=None)
-        with quiet():
-            return _once_more(self.solve, call)
-
-    def mu(
-        self, shorter: float = 1.0, kelvin: float = 0.0, sampled: float = 0.0
-    ) -> np.ndarray | None:
-        """mu with a shortest wave that is shorter by a factor, rubber that is `kelvin`
-        warmer, or a spectrum that is off by so many of its standard errors; None where
-        that has no answer.
+    def curve(self, change: Change) -> FrictionCurve | None:
+        """The curve with one thing changed; None where that has no answer, as beyond a
+        shift law, or where the shortest wave would be longer than the longest.
         """
-        given, rtol = self.call.asked, max(self.call.rtol, _ROUGHLY)
-        if kelvin:
-            warmer = np.asarray(given.temperature, dtype=float) + kelvin
-            given = dataclasses.replace(given, temperature=warmer)
-        call = dataclasses.replace(self.call, asked=given, rtol=rtol)
+        call, asked, adhesion = self.call, self.call.asked, self.adhesion
+        if change.kelvin:
+            warmer = np.asarray(asked.temperature, dtype=float) + change.kelvin
+            asked = dataclasses.replace(asked, temperature=warmer)
+        if adhesion is not None:
+            adhesion = replaced(adhesion, stress=adhesion.stress * change.stress)
+        solid = _beyond(call.material, change)
+        if solid is None:
+            return None
+        given = {"asked": asked, "material": solid, "rtol": max(call.rtol, _ROUGHLY)}
         try:
             if isinstance(call, RoughCall):
-                surface: Any = call.surface
-                if shorter != 1:
-                    surface = surface.ended(surface.q_high * shorter)
-                if sampled:
-                    surface = surface.sampled(sampled)
-                call = dataclasses.replace(call, surface=surface, progress=None)
+                given |= {"surface": _altered(call.surface, change), "progress": None}
+                if not change.heated:
+                    given |= {"heat": None, "branch": "cold"}
             with quiet():
-                return np.asarray(_once_more(self.solve, call).mu)
-        except InputError:  # beyond a shift law, or shorter than the longest wave
+                return _once_more(
+                    self.solve, dataclasses.replace(call, **given), adhesion
+                )
+        except InputError:
             return None
+
+
+def _beyond(material: Any, change: Change) -> Any:
+    """The rubber, its moduli beyond its data changed; None where these are not known."""
+    if change.beyond == 1:
+        return material
+    known = getattr(material, "range", None)
+    if not isinstance(material, AbstractRelaxation) or not (known and known.omega):
+        return None
+    (low, high), far = known.omega, 10.0**change.decades
+    rate = 1 / np.asarray(material.times)
+    outside = (rate < low / far) | (rate > high * far)
+    return replaced(
+        material, moduli=material.moduli * np.where(outside, change.beyond, 1.0)
+    )
+
+
+def _altered(surface: Any, change: Change) -> Any:
+    """The surface with another end, heights or spectrum."""
+    if change.shorter != 1:
+        surface = surface.ended(surface.q_high * change.shorter)
+    if change.higher != 1:
+        surface = surface.raised(change.higher)
+    return surface.sampled(change.sampled) if change.sampled else surface
 
 
 @numpy_unless_traced
 def _once_more(
-    solve: Callable[[Any], FrictionCurve], call: RoughCall | SmoothCall
+    solve: Callable[[Any, AdhesiveShear | None], FrictionCurve],
+    call: RoughCall | SmoothCall,
+    adhesion: AdhesiveShear | None,
 ) -> FrictionCurve:
-    return solve(call)
+    return solve(call, adhesion)
+
+
+def _on_road(
+    call: RoughCall, adhesion: AdhesiveShear | None, model: Line | SurfaceModel
+) -> FrictionCurve:
+    """Friction of a rough line or surface."""
+    return friction_by(dataclasses.replace(call, adhesion=adhesion), model)
 
 
 def _repeatable(
     curve: FrictionCurve,
     call: RoughCall | SmoothCall,
-    solve: Callable[[Any], FrictionCurve],
+    adhesion: AdhesiveShear | None,
+    solve: Callable[[Any, AdhesiveShear | None], FrictionCurve],
 ) -> FrictionCurve:
     """The curve of a call, with the call itself unless JAX traces it."""
     if is_traced(curve.mu):
         return curve
-    return dataclasses.replace(curve, again=_Again(call, solve))
+    return dataclasses.replace(curve, again=_Again(call, adhesion, solve))
 
 
 def _on_smooth(call: SmoothCall, adhesion: AdhesiveShear | None) -> FrictionCurve:
@@ -235,10 +269,11 @@ def friction(
         )
         curve = friction_by(rough, road_model)
         hint_at_line(model, shape, asked)
-        return _repeatable(curve, rough, partial(friction_by, model=road_model))
+        solve = partial(_on_road, model=road_model)
+        return _repeatable(curve, rough, adhesion, solve)
     only_rough(heat=heat, direction=direction, branch=branch)
     check_adhesion(adhesion, temperature)
     body: Any = shape  # anything else is refused there
     smooth = SmoothCall("friction", solid, body, asked, model, rtol)
     curve = _on_smooth(smooth, adhesion)
-    return _repeatable(curve, smooth, partial(_on_smooth, adhesion=adhesion))
+    return _repeatable(curve, smooth, adhesion, _on_smooth)
