@@ -20,6 +20,7 @@ from elastomdr.trees import replaced
 
 from ..call.test_extrapolation import (
     BALL,
+    BLIND,
     EVEN,
     NO_RANGE,
     OUTSIDE,
@@ -73,8 +74,9 @@ def warming(material: object, shape: em.Cylinder, **scene: object) -> em.HeatBui
     return em.heat_build_up(material, shape, velocity=1.0, **scene)
 
 
-# of each class of results, calls with the kinds of doubts that they have beside
-# "extrapolated" and "illustrative", which all have (`OUTSIDE`)
+# of each class of results, calls with the kinds of doubts that they have beside "not
+# converged", which all have, and "extrapolated" and "illustrative", which all have that
+# see a material (`OUTSIDE`)
 CALLS: dict[str, list[tuple[str, Callable[[], Result]]]] = {
     "FrictionCurve": [
         ("estimate", lambda: em.friction(SOLID, BALL, velocity=V, depth=DEEP)),
@@ -258,28 +260,36 @@ CALLS: dict[str, list[tuple[str, Callable[[], Result]]]] = {
             ),
         ),
     ],
+    "Stability": [("no prediction", BLIND["Stability"])],
+    "HalfPlaneCurve": [],
+    "HalfSpaceCurve": [],
 }
 # what no call of a class can have, and why
 NEVER = {
+    "extrapolated": set(BLIND),  # forces are given; a reference takes what it gets
+    "illustrative": set(BLIND),
     "estimate": {  # no depth; a squeeze of at most a quarter
-        *("FrictionSpectrum", "LineContact", "ORing", "Reciprocating"),
+        *("FrictionSpectrum", "LineContact", "ORing", "Reciprocating", *BLIND),
     },
-    "no prediction": {"ORing"},  # between two ends
+    # between two ends; the references are what models are compared with
+    "no prediction": {"ORing", "HalfPlaneCurve", "HalfSpaceCurve"},
     "bound": {  # no bound is established, or none is needed, or it is a quarter at most
         *("Dissipation", "FrictionSpectrum", "LineContact", "RoughContact"),
         *("Indentation", "Impact", "Slide", "Drive", "ForceSpectrum", "Shear"),
-        *("Conveyor", "HeatBuildUp", "Lubricated", "Reciprocating"),
+        *("Conveyor", "HeatBuildUp", "Lubricated", "Reciprocating", *BLIND),
     },
-    "hot branch": set(OUTSIDE) - {"FrictionCurve", "HeatBuildUp"},  # nothing heats
+    "hot branch": set(CALLS) - {"FrictionCurve", "HeatBuildUp"},  # nothing heats
 }
 
 
 def test_each_kind_is_made_by_each_class_or_cannot_be():
-    assert set(CALLS) == set(OUTSIDE)
+    assert set(CALLS) == {*OUTSIDE, *BLIND}
     for name, calls in CALLS.items():
         made = {kind for said, _ in calls for kind in said.split(", ")}
         never = {kind for kind, names in NEVER.items() if name in names}
-        everywhere = {"extrapolated", "illustrative", "not converged"}
+        everywhere = {"not converged"}
+        if name in OUTSIDE:
+            everywhere |= {"extrapolated", "illustrative"}
         assert made | never | everywhere == set(KINDS), name
         assert not made & never, name
 
@@ -309,11 +319,28 @@ def test_what_every_result_may_have_is_found_wherever_it_is_shown(name):
     (doubt,) = (each for each in result.doubts if each.kind == "illustrative")
     assert doubt.points.all()
     assert result.extrapolated.any()
-    failed = np.array(result.converged)
-    failed.flat[0] = False
-    result = dataclasses.replace(result, converged=failed)
+    shown_everywhere(failed(result), {"not converged", "extrapolated", "illustrative"})
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Stability",
+        *(pytest.param(n, marks=pytest.mark.slow) for n in list(BLIND)[1:]),
+    ],
+)
+def test_of_what_sees_no_material_points_that_failed_are_found(name):
+    shown_everywhere(failed(BLIND[name]()), {"not converged"})
+
+
+def failed(result: Result) -> Result:
+    """With a first point that did not converge."""
+    converged = np.array(result.converged)
+    converged.flat[0] = False
+    result = dataclasses.replace(result, converged=converged)
     assert points(result.doubts, "not converged").flat[0]
-    shown_everywhere(result, {"not converged", "extrapolated", "illustrative"})
+    return result
 
 
 def shown_everywhere(result: Result, expected: set[str]) -> None:
