@@ -15,6 +15,7 @@ import elastomdr as em
 from elastomdr.cli.kinds import read_scene
 
 from ..refused import refused
+from .heights import measured
 
 RUBBER = em.Prony(2.5e6, [], [])  # E* 10 MPa
 TURNED = em.SelfAffine(
@@ -449,6 +450,7 @@ def test_bad_input(change, words):
         em.leak(viscous, TURNED, o_ring=ring, time=1.0, pressure_drop=1e4, **SEAL)
 
 
+SOFTENING = em.Softening([1e-3, 1e-2, 0.1, 1.0], [1, 0.9, 0.7, 0.5], [1, 1.1, 0.9, 0.5])
 # options of a leak, of which each pair is taken together
 OPTIONS = {
     "time": {"time": 30.0},
@@ -460,6 +462,9 @@ OPTIONS = {
     "closed outlet": {"pressure": 9e5, "pressure_drop": 7e5},
     "bulk": {"bulk": 1e8},
     "rolloff": {"q_rolloff": 2e4},
+    "softening": {"softening": SOFTENING},
+    "lay": {"lay": np.log(3.0), "direction": 0.4},
+    "skewness": {"skewness": -0.5},
 }
 FLUIDS = "gas", "air", "density", "kinematic"  # of which "gas" and "density" agree
 PAIRS = [
@@ -467,6 +472,12 @@ PAIRS = [
     for pair in itertools.combinations(OPTIONS, 2)
     if not set(pair) <= set(FLUIDS) or pair == ("gas", "density")
 ]
+# of which there are no derivatives, with the argument that says so
+UNDERIVED = {
+    "profile": {"profile": PROFILE},
+    "constriction": {"model": em.CriticalConstriction()},
+    "medium": {"model": em.EffectiveMedium()},
+}
 OTHERS = [name for name in OPTIONS if name not in FLUIDS]
 # every pair is in one of the first, which take all at once; each by itself in the others
 TOGETHER = [
@@ -480,9 +491,12 @@ def of_options(options):
     """Rate, real contact, gap and bounds of five numbers, with the options."""
     given = {"pressure": 2.5e5, "pressure_drop": 1e5}
     for name in options:
-        given |= OPTIONS[name]
-    more = {"bulk": given.pop("bulk")} if "bulk" in given else {}
+        given |= (OPTIONS | UNDERIVED)[name]
+    if "profile" in given:
+        del given["pressure"]
+    more = {name: given.pop(name) for name in ("bulk", "softening") if name in given}
     knee = given.pop("q_rolloff", None)
+    heights = {name: given.pop(name) for name in ("lay", "skewness") if name in given}
     if "kinematic_viscosity" not in given:
         given["viscosity"] = 2e-3
 
@@ -493,10 +507,12 @@ def of_options(options):
         surface = em.SelfAffine(
             0.8, rms_slope=0.6 * x[2], q_low=1e4, q_high=1.6e5, q_rolloff=knee
         )
-        pressed = {name: given[name] for name in ("pressure", "pressure_drop")}
-        pressed["pressure"] *= x[3]
-        pressed["pressure_drop"] *= x[4]
-        found = em.leak(rubber, surface, length=LENGTH, width=0.1, **given | pressed)
+        if heights:
+            surface = measured(surface, **heights)
+        changed = {"pressure_drop": given["pressure_drop"] * x[4]}
+        if "profile" not in given:
+            changed |= {"pressure": given["pressure"] * x[3], "length": LENGTH}
+        found = em.leak(rubber, surface, width=0.1, **given | changed)
         values = found.rate, found.area_ratio, found.mean_gap
         return [*values, found.model_error, found.error]
 
@@ -519,6 +535,22 @@ def test_options_under_jax(options):
         ahead, behind = (np.array(numbers(x + h * way)) for h in (1e-4, -1e-4))
         differences = (ahead - behind)[:3] / 2e-4
         np.testing.assert_allclose([v[i] for v in slopes[:3]], differences, rtol=1e-4)
+
+
+@pytest.mark.parametrize("option", [name for name in OPTIONS if name[:6] != "closed"])
+@pytest.mark.parametrize("other", UNDERIVED)
+def test_options_without_derivatives(option, other):
+    """Many points are each alone; under JAX the argument that has none is named."""
+    numbers = of_options((option, other))
+    drops = np.array([1.0, 0.6])
+    together = numbers([1.0, 1.0, 1.0, 1.0, drops])
+    for i, drop in enumerate(drops):
+        alone = numbers([1.0, 1.0, 1.0, 1.0, drop])
+        assert alone[0] > 0
+        np.testing.assert_allclose([v[i] for v in together], alone, rtol=1e-9)
+    argument = "pressure" if other == "profile" else "model"
+    with jax.enable_x64(True), refused(argument, "jit"):
+        jax.jit(numbers)(np.ones(5))
 
 
 def test_gradient_in_reverse():

@@ -2,6 +2,7 @@
 
 import contextlib
 import warnings
+from itertools import combinations
 
 import jax
 import numpy as np
@@ -16,6 +17,7 @@ from elastomdr.seal.response import bodies_of, response
 from elastomdr.seal.roughness import pressed
 
 from ..refused import refused, warned
+from .heights import measured
 
 RUBBER = em.Prony(1e6, [3e6, 2e6], [1e-4, 1e-2], name="rubber")
 BODIES = bodies_of(em.Prony(0.25, [], []))  # E* = 1 Pa
@@ -476,6 +478,46 @@ TRACED = {
         em.Prony(e, [], []), o_ring=RING, **STROKES
     ),
 }  # fmt: skip
+
+
+# options of a film; of rough ones the surface is worn, ground, or as it is
+SOFT = em.Softening([1e-3, 1e-2, 0.1, 1.0], [1.0, 0.9, 0.7, 0.5], [1.0, 1.1, 0.9, 0.5])
+OPTIONS = ("softening", "layer", "skewness", "lay", "shear", "time", "warm", "patir")
+PAIRS = [OPTIONS, *combinations(OPTIONS, 2)]
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(
+    "options",
+    [pytest.param(p, marks=[pytest.mark.slow] * (len(p) == 2)) for p in PAIRS],
+    ids="-".join,
+)
+def test_options_of_many_points_are_those_of_each(options):
+    more = {"shift": em.WLF(8.86, 101.6, 293.15)} if "warm" in options else {}
+    if "softening" in options:
+        more["softening"] = SOFT
+    rubber = em.Prony(1e6, [3e6, 2e6], [1e-4, 1e-2], **more)
+    if "layer" in options:
+        rubber = em.layer(rubber, 5e-3)
+    surface = measured(
+        ROUGH,
+        np.log(3.0) if "lay" in options else None,
+        -0.5 if "skewness" in options else 0.0,
+    )
+    given = {"surface": surface, "load": 1e3, "viscosity": 0.04}
+    given |= {"boundary_shear": 1e5} if "shear" in options else {}
+    given |= {"time": 10.0} if "time" in options else {}
+    given |= {"temperature": 300.0} if "warm" in options else {}
+    given |= {"flow_factor": "patir-cheng"} if "patir" in options else {}
+    velocity = [1e-3, 0.1]
+    together = em.lubricated(rubber, BODY, velocity=velocity, **given)
+    left_out = [d for d in together.doubts if "softening" in d.says]
+    assert bool(left_out) == ("softening" in options)
+    for i, one in enumerate(velocity):
+        alone = em.lubricated(rubber, BODY, velocity=one, **given)
+        for field in ("mu", "film_thickness", "asperity_share", "flow"):
+            many = getattr(together, field)[i]
+            assert many == pytest.approx(float(getattr(alone, field)), rel=1e-3), field
 
 
 @pytest.mark.parametrize("name", TRACED)

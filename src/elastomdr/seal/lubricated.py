@@ -293,7 +293,7 @@ def lubricated(
 
     Raises:
         InputError: for anything but a cylinder, a material without equilibrium modulus,
-            springs, and arguments out of range.
+            springs, arguments out of range, and under `jax.jit`, `grad` and `vmap`.
 
     Exact in plane strain for smooth surfaces, small strains and a liquid of constant
     viscosity, flooded, with a film thin against the radius (above a twentieth of it
