@@ -32,7 +32,7 @@ GROUPS = {
         "cite",
     ),
     "Many scenes, long computations": ("sweep", "progress"),
-    "Models": ("Averaged", "Line", "Multiscale", "Persson", "HalfSpace"),
+    "Models": ("Averaged", "Line", "Marched", "Multiscale", "Persson", "HalfSpace"),
     "Motion in time": (
         "indent",
         "Adhesion",

@@ -18,7 +18,7 @@ _HOMES = {
         "ModelWarning",
     ),
     "progress_bar": ("progress",),
-    "models": ("Averaged", "Line"),
+    "models": ("Averaged", "Line", "Marched"),
     "rough.road_models": ("Multiscale", "Persson", "HalfSpace"),
     "material.prony": ("Prony", "KelvinVoigt", "Maxwell", "StandardSolid"),
     "material.tabulated": ("TabulatedModulus",),

@@ -43,6 +43,7 @@ from .material.softening import Softening as Softening
 from .material.tabulated import TabulatedModulus as TabulatedModulus
 from .models import Averaged as Averaged
 from .models import Line as Line
+from .models import Marched as Marched
 from .progress_bar import progress as progress
 from .results.curve import FrictionCurve as FrictionCurve
 from .results.curve import RollingCurve as RollingCurve

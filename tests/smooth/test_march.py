@@ -3,7 +3,7 @@ contact returns.
 """
 
 import math
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -263,3 +263,106 @@ def test_refused_under_a_transformation():
     shape = bumpy().shape
     with refused("shape", "convex", "jit"):
         jax.grad(lambda v: em.friction(BODY, shape, velocity=v, load=1.0).mu)(1.0)
+
+
+def drawn_scene(number):
+    """A body on a half-space or on springs, rubber of four branches over decades, with
+    a dashpot now and then, one velocity, a load or a depth.
+    """
+    draw = np.random.default_rng([45, number])
+    size = 10 ** draw.uniform(-4, -2)  # of the contact, about [m]
+    deep = 10 ** draw.uniform(-2.5, -0.7)  # over that
+    shape: Any = (
+        em.Paraboloid(size / deep),
+        em.Sphere(size / deep),
+        em.Cone(deep),
+        em.PowerLaw(draw.uniform(1.5, 5), 1.0),
+    )[number % 4]
+    if number % 4 == 3:
+        shape = em.PowerLaw(
+            float(shape.exponent), deep * size ** (1 - float(shape.exponent))
+        )
+    soft, glassy = 10 ** draw.uniform(5, 7), 10 ** draw.uniform(0, 2.5)
+    moduli = soft * glassy * draw.dirichlet([0.7] * 4)
+    times = np.sort(10 ** draw.uniform(-5, 0, 4))
+    viscosity = soft * times[0] * (number % 5 == 0)
+    law = em.Foundation(soft, moduli, times, viscosity)
+    velocity = size / times[draw.integers(4)] * 10 ** draw.uniform(-1.5, 1.5)
+    if number % 3 == 0:
+        solid = em.Prony(soft, moduli, times, poisson=0.45, viscosity=viscosity)
+        law = em.springs(solid, size, bonded=False)
+    if number % 2:
+        return law, shape, {"velocity": velocity, "depth": 0.5 * size * deep}
+    return law, shape, {"velocity": velocity, "load": 0.5 * soft * size**2 * deep}
+
+
+@pytest.mark.parametrize("number", range(12))
+def test_marched_elements_have_the_friction_of_the_closed_forms(number):
+    """Within the stated errors of both; `python benchmarks/marched.py` has 200 such
+    scenes.
+    """
+    law, shape, given = drawn_scene(number)
+    closed: Any = em.friction(law, shape, **given)
+    marched: Any = em.friction(law, shape, model=em.Marched(), rtol=1e-3, **given)
+    assert marched.converged
+    assert abs(marched.mu - closed.mu) <= marched.error + closed.error
+    np.testing.assert_allclose(marched.depth, closed.depth, rtol=1e-3)
+    assert "marched by diffrax" in marched.model
+
+
+def test_rolling_and_what_the_elements_do(tmp_path):
+    """Their forces are those of the curve, and Signorini's conditions hold; a figure
+    and a moving picture show them.
+    """
+    rubber = em.Prony(0.5e6, [1e6, 2e6], [1e-3, 1e-1])
+    ball, given = em.Sphere(5e-3), {"velocity": [1e-3, 0.3], "load": 1.0}
+    curve = em.rolling(rubber, ball, model="marched", rtol=1e-4, **given)
+    closed = em.rolling(rubber, ball, **given)
+    np.testing.assert_allclose(curve.coefficient, closed.coefficient, rtol=1e-4)
+    line = em.friction(rubber, ball, model=em.Line(), **given)
+    elements = curve.elements(1)
+    np.testing.assert_allclose(np.trapezoid(elements.q, elements.x), 1.0, rtol=1e-4)
+    drag = np.trapezoid(elements.q * np.gradient(elements.u, elements.x), elements.x)
+    np.testing.assert_allclose(-drag, line.friction_force[1], rtol=1e-3)
+    touched = elements.q > 0
+    np.testing.assert_array_equal(elements.u[touched], elements.surface[touched])
+    assert (elements.u >= elements.surface).all()
+    total = elements.spring + elements.branches.sum(axis=0)
+    np.testing.assert_allclose(total[touched], elements.q[touched], rtol=1e-9)
+    assert elements.branches.shape == (2, elements.x.size)
+    assert not elements.q[elements.x < -1e-9 - line.contact.trailing[1] * 1.02].any()
+
+    ax = elements.plot()
+    assert len(ax.figure.axes) == 2
+    elements.animate(tmp_path / "ball.gif", frames=3)
+    from PIL import Image
+
+    with Image.open(tmp_path / "ball.gif") as picture:
+        assert picture.n_frames == 3
+
+
+def test_marched_is_refused_where_there_are_no_such_elements():
+    rubber, ball = em.Prony(0.5e6, [1e6], [1e-3]), em.Sphere(5e-3)
+    road = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=1e5)
+    line = em.RoughLine(np.arange(64) * 1e-5, np.sin(np.arange(64)))
+    given = {"velocity": 0.3, "model": em.Marched()}
+    with refused("model", "Marched", "em.springs"):
+        em.friction(em.layer(rubber, 1e-2), ball, load=1.0, **given)
+    for surface, by in ((road, {"pressure": 1e5}), (line, {"load": 1e3})):
+        with refused("model", "Marched"):
+            em.friction(rubber, surface, **by, **given)
+    for curve, point, name in (
+        (em.friction(rubber, ball, velocity=0.3, load=1.0), 0, "model"),
+        (em.friction(rubber, ball, load=1.0, rtol=1e-3, **given), 1, "point"),
+    ):
+        with pytest.raises(em.InputError) as raised:
+            curve.elements(point)
+        assert raised.value.argument == name
+
+    def friction(velocity):
+        return em.friction(
+            rubber, ball, load=1.0, velocity=velocity, model=em.Marched()
+        ).mu
+
+    with refused("model", "em.Averaged()"):
+        jax.grad(friction)(0.3)

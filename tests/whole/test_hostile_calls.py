@@ -536,7 +536,15 @@ OTHERS |= {
     "materials",
     "CriticalConstriction",
 }
-OTHERS |= {"Multiscale", "MeasuredFriction", "FrictionCurve", "RollingCurve", "Plan"}
+OTHERS |= {
+    "elements",
+    "Marched",
+    "Multiscale",
+    "MeasuredFriction",
+    "FrictionCurve",
+    "RollingCurve",
+    "Plan",
+}
 OTHERS |= {
     "Doubt",
     "Layer",

@@ -5,7 +5,7 @@ default of the shape; of surfaces see `verbs/roads.py`.
 from typing import TypeGuard
 
 from ..errors import InputError
-from ..models import Averaged, Line, Model, as_model, named
+from ..models import Averaged, Line, Marched, Model, as_model, named
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
 
@@ -59,6 +59,22 @@ def of_smooth(model: Model | str | None, quantity: str, label: str) -> Averaged 
         got=model,
         accepted=named(Averaged(), Line()) + f" for {quantity} of a {label}",
     )
+
+
+def of_layer(model: Model | str | None, quantity: str, label: str) -> Averaged | Line:
+    """The model of a smooth body on an `em.layer`, or of a cylinder on a half-space,
+    which have no elements. Raises `InputError`.
+    """
+    chosen = of_smooth(model, quantity, label)
+    if isinstance(chosen, Marched):
+        raise InputError(
+            argument="model",
+            got=chosen,
+            accepted=named(Averaged(), Line()) + f" for a {label} on this material",
+            hint="it has no independent elements, as an indenter on a half-space and "
+            "em.springs have",
+        )
+    return chosen
 
 
 def of_line(model: Model | str | None, call: str) -> Line:

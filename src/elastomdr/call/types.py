@@ -33,6 +33,7 @@ Surface: TypeAlias = "RoughLine | AbstractSpectrum"
 ModelName: TypeAlias = Literal[
     "averaged",
     "line",
+    "marched",
     "multiscale",
     "persson",
     "half-space",

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Style
+    from .plot_contacts import SteadyElements
 
 _LISTED = 6  # curves that a summary lists one by one
 # the input of a result that tells what a fit misses
@@ -148,6 +149,35 @@ class AbstractCurve(Result):
         return self._draw(
             partial(draw_curve, measured=measured), DrawAsk(ax, style, title, label)
         )
+
+    def elements(self, point: int | tuple[int, ...] = 0) -> SteadyElements:
+        """What the elements do under a point of a curve by `em.Marched`: u(x), q(x),
+        the forces of the branches, with a figure (`plot`) and a GIF (`animate`).
+
+        `point` is its index in the fields of the curve, or in them raveled. Raises
+        `InputError` for another model, and for a point that did not converge.
+        """
+        again, good = self.again, np.asarray(self.converged)
+        contact = getattr(self, "contact", None)
+        if again is None or isinstance(again, tuple) or contact is None:
+            raise InputError(
+                argument="model",
+                got=self.model,
+                accepted="em.Marched() of one material for the elements of a curve",
+            )
+        places = np.arange(good.size).reshape(good.shape)
+        flat = not isinstance(point, tuple)
+        inside = (
+            -good.size <= point < good.size if flat else point in np.ndindex(good.shape)
+        )
+        i = int((places.ravel() if flat else places)[point]) if inside else 0
+        if not inside or not good.flat[i]:
+            raise InputError(
+                argument="point",
+                got=point,
+                accepted=f"the index of a point that converged, of shape {good.shape}",
+            )
+        return again.elements(i, float(np.ravel(contact.leading)[i]))
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Of each curve the largest and the smallest coefficient and where, and the

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+import os
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..checks import whole_number
 from .axes import Curve
 from .plotting import (
     LOG_RATIO,
@@ -20,6 +23,7 @@ from .plotting import (
     Trace,
     canvas_of,
     draw,
+    figure_of,
     frame,
     logarithmic_if_wide,
     unit_of,
@@ -30,6 +34,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from matplotlib.axes import Axes
+    from matplotlib.collections import LineCollection
+    from matplotlib.lines import Line2D
 
 # largest over middle interval from which instants are taken as spread over decades
 _DECADES = 30.0
@@ -236,3 +242,102 @@ def draw_surface(
 def roughness_in_words(rms_height: float, rms_slope: float) -> str:
     """Both with few digits."""
     return f"rms height {1e6 * rms_height:.3g} µm, rms slope {rms_slope:.3g}"
+
+
+_ELEMENTS = 61  # in a moving picture
+_WINDOW = 2.6  # on each side of it, over the leading edge
+
+
+@dataclasses.dataclass(frozen=True)
+class SteadyElements:
+    """What the elements under a body in steady motion do: those of the line in the
+    direction of motion, on springs of the strip in the middle.
+
+    Where an element is, counted from the apex, is also how long ago it was touched: one
+    passage is the whole field.
+    """
+
+    x: np.ndarray  # place ahead of the apex, ascending, shape (n,) [m]
+    surface: np.ndarray  # of the rigid body, 0 beyond the leading edge's height [m]
+    u: np.ndarray  # displacement into the material [m]
+    q: np.ndarray  # contact force density [N/m; Pa on springs]
+    branches: np.ndarray  # of each branch, shape (k, n), likewise
+    spring: np.ndarray  # of the equilibrium modulus, likewise
+    per: str  # unit of force densities
+    title: str
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws displacements and the body above force densities; on `ax` the first
+        only. Returns the axes of the displacements.
+        """
+        lower = None
+        if ax is None:
+            ax, lower = _panels((7.2, 6.0), 2)
+        a, x, height = self._body()
+        ax.plot(x, height, color="0.45", label="rigid body")
+        place = np.append(1e3 * self.x, 1.6 * a)
+        ax.plot(place, -1e6 * np.append(self.u, 0.0), label="elements")
+        ax.set(ylabel="Height [µm]", xlim=(-3 * a, 1.6 * a))
+        ax.set_title(self.title)
+        ax.legend()
+        bottom = ax if lower is None else lower
+        bottom.set_xlabel("Place ahead of the apex [mm]")
+        if lower is not None:
+            lower.plot(1e3 * self.x, self.q, color="k", label="contact, q")
+            lower.plot(1e3 * self.x, self.spring, label="spring")
+            for number, force in enumerate(self.branches, 1):
+                lower.plot(1e3 * self.x, force, lw=1, label=f"branch {number}")
+            lower.set_ylabel(f"Force density [{self.per}]")
+            lower.legend()
+        return ax
+
+    def animate(self, path: str | os.PathLike[str], frames: int = 48) -> None:
+        """Writes a GIF of elements under the body, which moves on by its contact in so
+        many `frames`. Raises `InputError` for fewer than two.
+        """
+        from matplotlib.animation import FuncAnimation, PillowWriter
+
+        whole_number("frames", frames, 2)
+        a, x, height = self._body()
+        places = np.linspace(-_WINDOW, _WINDOW, _ELEMENTS) * a
+        deep = -1.6e6 * self.u.max()
+        (ax,) = _panels((6.4, 3.4), 1)
+        (body,) = ax.plot([], [], color="0.3", lw=2)
+        bars = ax.vlines(places, deep, 0.0, lw=3)
+        ax.set(
+            xlim=(-_WINDOW * a, _WINDOW * a),
+            ylim=(deep, -0.75 * deep),
+            xlabel="Place [mm]",
+            ylabel="Height [µm]",
+        )
+        ax.set_title(self.title)
+
+        def show(frame: int) -> tuple[Line2D, LineCollection]:
+            moved = (2 * frame / frames - 1) * a
+            at = 1e-3 * (places - moved)
+            u = 1e6 * np.interp(at, self.x, self.u, right=0.0)
+            touched = np.interp(at, self.x, self.q, right=0.0) > 0
+            body.set_data(x + moved, height)
+            bars.set_segments(
+                [[(i, deep), (i, -j)] for i, j in zip(places, u, strict=True)]
+            )
+            bars.set_color([_TOUCHING if here else "0.6" for here in touched])
+            return body, bars
+
+        made = FuncAnimation(figure_of(ax), show, frames=frames)
+        made.save(os.fspath(path), writer=PillowWriter(fps=24))
+
+    def _body(self) -> tuple[float, np.ndarray, np.ndarray]:
+        """The leading edge [mm], places [mm] and heights [µm] of the body there."""
+        near = np.abs(self.x) <= self.x[-1]
+        return 1e3 * self.x[-1], 1e3 * self.x[near], -1e6 * self.surface[near]
+
+
+def _panels(size: tuple[float, float], rows: int) -> list[Axes]:
+    """New axes below each other."""
+    import matplotlib.style
+    from matplotlib.figure import Figure
+
+    with matplotlib.style.context("elastomdr.figures"):
+        figure = Figure(figsize=size, layout="constrained")
+        return list(figure.subplots(rows, sharex=True, squeeze=False).flat)

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from .._types import Style
     from ..arrays import Array
 
+if TYPE_CHECKING:
+    from .plot_contacts import SteadyElements
+
 FACTOR = 2.0  # of the shortest wave, each way
 HEIGHTS = 0.1  # of the heights of a road that was not scanned, relative
 ERRORS = 2.0  # standard errors of a scanned spectrum, each way
@@ -73,6 +76,12 @@ class Again(Protocol):
 
     def curve(self, change: Change) -> Judged | None:
         """The curve with one thing changed; None where that has no answer."""
+        ...
+
+    def elements(self, point: int, leading: float) -> SteadyElements:
+        """What the elements do under a point, whose leading edge [m] is known. Raises
+        `InputError`.
+        """
         ...
 
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import one_thread, xp
-from ..call.model_choice import of_smooth
+from ..call.model_choice import of_layer
 from ..call.problem import SteadyScene, check_rtol, steady_scene
 from ..checks import Array, certain, require, warn_unless
 from ..element.law import surface_foundation
@@ -163,7 +163,7 @@ def _check(call: SmoothCall) -> _BallScene:
     material, shape, rtol = call.material, call.shape, call.rtol
     assert isinstance(material, Layer)  # or the call would not come here
     check_edge(shape)
-    chosen = of_smooth(call.model, call.quantity, shape.label)
+    chosen = of_layer(call.model, call.quantity, shape.label)
     check_rtol(rtol)
     points = steady_scene(material, shape, call.asked)
     if points.name == "depth":

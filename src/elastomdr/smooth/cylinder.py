@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import one_thread, stop_gradient, xp
-from ..call.model_choice import of_smooth
+from ..call.model_choice import of_layer
 from ..call.problem import SteadyScene, check_rtol, steady_scene
 from ..checks import (
     Array,
@@ -219,7 +219,7 @@ def _cylinder(call: SmoothCall) -> Cylinder:
 def _checked_body(call: SmoothCall) -> Body:
     """The layer, or the half-space by its law. Raises `InputError`."""
     material, depth = call.material, call.asked.depth
-    of_smooth(call.model, call.quantity, call.shape.label)  # all lines are exact
+    of_layer(call.model, call.quantity, call.shape.label)  # all lines are exact
     body = material if isinstance(material, Layer) else surface_foundation(material)
     if depth is not None and not isinstance(body, Layer):
         raise InputError(

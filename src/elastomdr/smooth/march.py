@@ -26,10 +26,11 @@ import numpy as np
 
 from ..checks import Array, in_float64, numpy_unless_traced
 from ..element.contact_step import rest
-from ..element.elements import ContactStep, RigidSurface
+from ..element.elements import ContactStep, RigidSurface, forces
 from ..material.relaxation import Relaxation
 from ..numerics.interpolation import halving_limit
 from ..numerics.root import search
+from ..results.plot_contacts import SteadyElements
 from ..surface.lines import AbstractLines
 from .passage import Control, Passages, estimate_sizes, largest_size
 
@@ -41,6 +42,9 @@ _FEWEST, _MOST = 256, 2**15  # samples per passage
 _RISE = 2.5  # of log F_N with log A, about
 _SMALL = 0.1  # error of mu, relative, up to which it is an estimate
 _ROUNDING = 1e-13  # relative error of mu per square root of samples
+# contact steps per instant and instants per passage of what is shown, and how many
+# passages long the elements are followed
+_BETWEEN, _SHOWN, _FOLLOWED = 8, 400, 3
 
 
 class _March(NamedTuple):
@@ -198,3 +202,60 @@ def _march(
     succeeded = solution.result == diffrax.RESULTS.successful
     good = succeeded & jnp.isfinite(normal) & jnp.isfinite(drag)
     return _March(size, normal, drag, (entry * (1 - 2 * away))[0], good)
+
+
+@in_float64
+def steady_elements(
+    law: Relaxation,
+    lines: AbstractLines,
+    size: Float[Array, " 1"],
+    velocity: Float[Array, " 1"],  # times a_T [m/s]
+    per: str,
+    title: str,
+) -> SteadyElements:
+    """The elements under a contact of this size, from rest ahead of it."""
+    a = lines.entry(size)[:1]
+    duration = (2 * a / velocity)[0]
+    scaled = Relaxation(
+        law.equilibrium,
+        law.moduli,
+        law.times[:, None] / duration,
+        law.viscosity / duration,
+    )
+
+    def profile(x: Array) -> Array:
+        line = jnp.zeros((1, 1), int)
+        return lines.profile(jnp.clip(x, -a, a), size, line)[0]
+
+    def surface(t: Array) -> Array:
+        return profile(a) - profile(a * (1 - 2 * t))
+
+    t = jnp.linspace(0.0, _FOLLOWED, _FOLLOWED * _SHOWN + 1)
+    y = diffrax.diffeqsolve(
+        RigidSurface(surface),
+        ContactStep(_BETWEEN),
+        t0=0.0,
+        t1=float(_FOLLOWED),
+        dt0=None,
+        stepsize_controller=diffrax.StepTo(t),
+        y0=rest(law, 1),
+        args=scaled,
+        saveat=diffrax.SaveAt(steps=True, t0=True),
+        max_steps=t.size - 1,
+    ).ys
+    assert y is not None
+    felt = forces(scaled, y)
+
+    def shown(values: Array) -> np.ndarray:
+        return np.asarray(values)[::-1, ..., 0].T
+
+    return SteadyElements(
+        x=np.asarray((a * (1 - 2 * t))[0, ::-1]),
+        surface=np.asarray(jax.vmap(surface)(t))[::-1, 0],
+        u=shown(y.u),
+        q=shown(felt.q),
+        branches=shown(felt.branches),
+        spring=shown(felt.spring),
+        per=per,
+        title=title,
+    )

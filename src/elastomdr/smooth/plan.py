@@ -37,6 +37,9 @@ class PlanAsked:
     averaged: bool  # whether the direction average is taken
     # whether the average is corrected for the asymmetry of the contact
     corrected: bool
+    # whether elements are marched in time steps; of a plan also where contact may be
+    # renewed
+    marched: bool
     range: Range | None  # where the material's numbers hold; None: not known
 
 
@@ -47,7 +50,6 @@ class Plan(PlanAsked):
     """
 
     branches: int
-    marched: bool  # whether the profile has to be marched through in time steps
     rules: tuple[Rule, ...]  # sampling rules, to be tried in this order
     directions: int  # directions per velocity
     # velocities share line solutions, one grid per load and temperature-shifted curve
@@ -79,7 +81,7 @@ def make_plan(
     them.
     """
     control, points, rtol = asked.control, asked.points, asked.rtol
-    marched = isinstance(lines.shape, Profile) and not lines.shape.convex
+    renewed = isinstance(lines.shape, Profile) and not lines.shape.convex
     elastic = certain(lambda m, v: v == 0 and not np.any(m), law.moduli, law.viscosity)
     averaged = asked.averaged and not elastic
     inner = TRACED * rtol if value is None else rtol
@@ -110,11 +112,10 @@ def make_plan(
                 shared, solutions = True, with_grid
         passing = 2 * slow / widest, 2 * fast / narrowest
     given = {x.name: getattr(asked, x.name) for x in dataclasses.fields(PlanAsked)}
-    given["averaged"] = averaged
+    given |= {"averaged": averaged, "marched": asked.marched or renewed}
     return Plan(
         **given,
         branches=law.moduli.shape[0],
-        marched=marched,
         rules=rules[:1] if traced else rules,
         directions=count,
         shared=shared,
@@ -213,8 +214,8 @@ def _contact(plan: Plan) -> str:
     rule = plan.rules[0]
     if plan.marched:
         return (
-            "profile not convex: elements may touch again, so exact contact steps in "
-            "diffrax march through it"
+            "exact contact steps in diffrax march elements through the profile, where "
+            "they may touch again"
         )
     if rule.exact:
         return (

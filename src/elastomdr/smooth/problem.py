@@ -51,6 +51,7 @@ BARE = (
     "of 2)"
 )
 LAYER = "independent springs (textbook, not the layer itself)"
+MARCHED = "; elements marched by diffrax"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -245,6 +246,7 @@ def check(call: SmoothCall, softens: bool = True) -> SmoothScene:
     corrected = averaged and chosen.corrected
     words = CORRECTED if corrected else AVERAGED if averaged else BARE
     words = LAYER if layer else words
+    words += MARCHED if chosen.marched else ""
     body = describe(shape)
     name = f"{body} on {foundation.name or ('a layer' if layer else 'a half-space')}"
     check_softening(foundation, lines)
@@ -260,9 +262,17 @@ def check(call: SmoothCall, softens: bool = True) -> SmoothScene:
         rtol=float(rtol),
         averaged=averaged,
         corrected=corrected,
+        marched=chosen.marched,
         range=foundation.range,
     )
     plan = make_plan(asked, law, lines, spread, passing)
+    if chosen.marched and plan.traced:
+        raise InputError(
+            argument="model",
+            got=chosen,
+            accepted="one with derivatives under jit, grad and vmap",
+            hint="em.Averaged() is the same by closed forms",
+        )
     if plan.marched and plan.traced:
         raise InputError(
             argument="shape",
@@ -319,7 +329,7 @@ def solve(scene: SmoothScene) -> Steady:
         warn_unless(good, "points", f" to rtol={scene.plan.rtol:g}", why)
     # A Foundation given directly is a line by definition; a half-space under the bare
     # line is not.
-    bare = scene.plan.model == BARE and scene.foundation.per_area is False
+    bare = not scene.plan.averaged and scene.foundation.per_area is False
     bound, line = BARE_LINE * result.mu if bare else 0.0, result.line
     marks, strain, linear = (), None, None
     if softening is not None and soft is not None:

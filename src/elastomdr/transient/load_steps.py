@@ -51,7 +51,7 @@ class Ruled(NamedTuple):
     by_depth: Bool[np.ndarray, " m"]  # which of them, from the instant before on
 
 
-class Marched(NamedTuple):
+class AtInstants(NamedTuple):
     """A history at its instants, the first one included."""
 
     depth: Float[Array, " m"]
@@ -89,7 +89,7 @@ class Half(AbstractOverLine):
 
 def march_load(
     law: Relaxation, modes: Modes, disc: Disc, ruled: Ruled, rtol: float
-) -> Marched:
+) -> AtInstants:
     """One history, to `rtol` where values are known; else on two fixed levels.
     Differentiable in both modes.
     """
@@ -128,7 +128,7 @@ def march_load(
         reach = min(2 * reach, float(widest))
 
 
-def _marched(levels: Levels, disc: Disc, most: Array) -> Marched:
+def _marched(levels: Levels, disc: Disc, most: Array) -> AtInstants:
     """What is known of a history whose contact has a radius below `most`."""
     seen = levels.seen
     radius = xp.maximum(seen.contact, 0.0)
@@ -145,7 +145,9 @@ def _marched(levels: Levels, disc: Disc, most: Array) -> Marched:
         seen.work - seen.stored,
         levels.error,
     )
-    return Marched(*(nan_unless(fits & xp.isfinite(levels.error), x) for x in fields))
+    return AtInstants(
+        *(nan_unless(fits & xp.isfinite(levels.error), x) for x in fields)
+    )
 
 
 def _within(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -14,39 +14,43 @@ from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import is_traced, numpy_unless_traced
 from ..errors import InputError, quiet
-from ..material.relaxation import AbstractRelaxation
-from ..models import Line
+from ..material.relaxation import AbstractRelaxation, scaled
+from ..models import Line, as_model
 from ..progress_bar import reporter
-from ..results.curve import FrictionCurve
+from ..results.curve import AbstractCurve, FrictionCurve
 from ..results.uncertainty import Change
+from ..results.words import in_words
 from ..rough.adhesion import AdhesiveShear, check_adhesion, on_contact
 from ..rough.heat import Branch, Heat
 from ..rough.problem import RoughCall
 from ..rough.road_model import SurfaceModel
 from ..smooth.on_layer import is_on_layer
-from ..smooth.problem import SmoothCall
+from ..smooth.problem import SmoothCall, check
 from ..surface.shapes import AbstractShape
 from ..surface.spectrum import AbstractSpectrum
 from ..surface.topography import MeasuredSurface
 from ..trees import replaced
-from .roads import cells_of_body, friction_by, hint_at_line, of_rough
+from .roads import KINDS, cells_of_body, friction_by, hint_at_line, of_rough
 from .steady import in_64_bits_where, steady_contact
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Number
     from ..call.types import Indenter, Materials, ModelLike, Surface
+    from ..results.plot_contacts import SteadyElements
 
 
+Curve = TypeVar("Curve", bound=AbstractCurve)
 _ROUGHLY = 1e-4  # relative error of what only tells how uncertain a number is
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class _Again:
+class CallAgain:
     """A call of `friction` once more, as `results.uncertainty.Again`."""
 
     call: RoughCall | SmoothCall
     adhesion: AdhesiveShear | None
-    solve: Callable[[Any, AdhesiveShear | None], FrictionCurve]
+    # None where nobody asks for uncertainties, as of rolling
+    solve: Callable[[Any, AdhesiveShear | None], FrictionCurve] | None
 
     @property
     def measured(self) -> bool:
@@ -80,6 +84,41 @@ class _Again:
         except InputError:
             return None
 
+    def elements(self, point: int, leading: float) -> SteadyElements:
+        """What the elements do under a point whose leading edge [m] is known."""
+        model = getattr(self.call, "model", None)  # which a surface has not
+        chosen = as_model(model, KINDS)
+        if chosen is None or not chosen.marched:
+            raise InputError(
+                argument="model",
+                got=model,
+                accepted="em.Marched() for the elements of a curve",
+            )
+        assert isinstance(self.call, SmoothCall)
+        return _elements(self.call, point, leading)
+
+
+@numpy_unless_traced
+def _elements(call: SmoothCall, point: int, leading: float) -> SteadyElements:
+    from ..smooth.march import steady_elements
+
+    scene = check(call)
+    if scene.foundation.softening is not None:
+        raise InputError(
+            argument="material",
+            got=scene.foundation.name,
+            accepted="one that does not soften for the elements of a curve",
+        )
+    velocity = float(np.ravel(scene.points.full(scene.points.velocity))[point])
+    return steady_elements(
+        scaled(scene.law, float(scene.vertical[point])),
+        scene.lines,
+        np.array([leading]),
+        scene.reduced[point : point + 1],
+        per="Pa" if scene.foundation.per_area else "N/m",
+        title=f"{scene.plan.scene}, {in_words('velocity', velocity)}",
+    )
+
 
 def _beyond(material: Any, change: Change) -> Any:
     """The rubber, its moduli beyond its data changed; None where these are not known."""
@@ -107,10 +146,11 @@ def _altered(surface: Any, change: Change) -> Any:
 
 @numpy_unless_traced
 def _once_more(
-    solve: Callable[[Any, AdhesiveShear | None], FrictionCurve],
+    solve: Callable[[Any, AdhesiveShear | None], FrictionCurve] | None,
     call: RoughCall | SmoothCall,
     adhesion: AdhesiveShear | None,
 ) -> FrictionCurve:
+    assert solve is not None
     return solve(call, adhesion)
 
 
@@ -121,16 +161,16 @@ def _on_road(
     return friction_by(dataclasses.replace(call, adhesion=adhesion), model)
 
 
-def _repeatable(
-    curve: FrictionCurve,
+def repeatable(
+    curve: Curve,
     call: RoughCall | SmoothCall,
-    adhesion: AdhesiveShear | None,
-    solve: Callable[[Any, AdhesiveShear | None], FrictionCurve],
-) -> FrictionCurve:
+    adhesion: AdhesiveShear | None = None,
+    solve: Callable[[Any, AdhesiveShear | None], FrictionCurve] | None = None,
+) -> Curve:
     """The curve of a call, with the call itself unless JAX traces it."""
-    if is_traced(curve.mu):
+    if is_traced(curve.error):
         return curve
-    return dataclasses.replace(curve, again=_Again(call, adhesion, solve))
+    return dataclasses.replace(curve, again=CallAgain(call, adhesion, solve))
 
 
 def _on_smooth(call: SmoothCall, adhesion: AdhesiveShear | None) -> FrictionCurve:
@@ -200,11 +240,11 @@ def friction(
         pressure: nominal pressure on a surface [Pa].
         temperature: [K], for a material with a shift law.
         model: what the contact is computed with, an object or its name. For a smooth
-            body `em.Averaged()`, the default, `em.Line()` or `em.HalfSpace()`; on
-            layers every line is exact, and the model makes no difference. For a rough
-            line `em.Line()`. For a surface under a pressure `em.Multiscale()`, the
-            default, `em.Persson()`, `em.HalfSpace()` or `em.Line()`; under a load or a
-            depth `em.Line()`.
+            body `em.Averaged()`, the default, `em.Line()`, `em.Marched()` or
+            `em.HalfSpace()`; on layers every line is exact, and the model makes no
+            difference. For a rough line `em.Line()`. For a surface under a pressure
+            `em.Multiscale()`, the default, `em.Persson()`, `em.HalfSpace()` or
+            `em.Line()`; under a load or a depth `em.Line()`.
         rtol: relative error of mu to be met, 1e-3 to 1e-10. With `em.Line` on a rough
             line or surface it is that of the solution on its samples;
             `curve.lines.numerical` has the error for the sampling too, and a point
@@ -270,10 +310,10 @@ def friction(
         curve = friction_by(rough, road_model)
         hint_at_line(model, shape, asked)
         solve = partial(_on_road, model=road_model)
-        return _repeatable(curve, rough, adhesion, solve)
+        return repeatable(curve, rough, adhesion, solve)
     only_rough(heat=heat, direction=direction, branch=branch)
     check_adhesion(adhesion, temperature)
     body: Any = shape  # anything else is refused there
     smooth = SmoothCall("friction", solid, body, asked, model, rtol)
     curve = _on_smooth(smooth, adhesion)
-    return _repeatable(curve, smooth, adhesion, _on_smooth)
+    return repeatable(curve, smooth, adhesion, _on_smooth)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ..call.model_choice import of_smooth
 from ..call.problem import Asked
 from ..errors import InputError, ModelWarning, warn
-from ..models import Averaged, Line, Model, as_model, named
+from ..models import Averaged, Line, Marched, Model, as_model, named
 from ..rough.adhesion import no_area
 from ..rough.road_model import SurfaceModel
 from ..rough.road_models import HalfSpace, Multiscale, Persson
@@ -30,6 +30,7 @@ KINDS: dict[str, type[Model]] = {
     for kind in (
         Averaged,
         Line,
+        Marched,
         Multiscale,
         Persson,
         HalfSpace,

@@ -11,6 +11,7 @@ from ..errors import InputError
 from ..results.curve import RollingCurve
 from ..smooth.problem import SmoothCall
 from ..surface.shapes import AbstractShape
+from .friction import repeatable
 from .steady import in_64_bits_where, needs_layer, steady_contact
 
 if TYPE_CHECKING:
@@ -41,9 +42,9 @@ def rolling(
     P/v, and the moment is M = R F. (The moment of the MDR line's own forces is half of
     that, since the line is not the half-space's pressure; the power is right in both
     models.) `coefficient` is the resisting force over the normal force. `model` is
-    `em.Averaged(...)`, by default with its correction, or `em.Line()`. Arguments,
-    errors and limits as for `friction`; raises `InputError` for bodies that do not
-    roll.
+    `em.Averaged(...)`, by default with its correction, `em.Line()` or `em.Marched()`.
+    Arguments, errors and limits as for `friction`; raises `InputError` for bodies that
+    do not roll.
     """
     if isinstance(shape, AbstractShape) and shape.rolling_radius is None:
         raise InputError(
@@ -53,13 +54,15 @@ def rolling(
         )
     solid: Any = material  # `over_materials` has taken a list apart
     asked = Asked(velocity, load, depth, pressure, temperature)
-    contact = steady_contact(SmoothCall("rolling", solid, shape, asked, model, rtol))
+    call = SmoothCall("rolling", solid, shape, asked, model, rtol)
+    contact = steady_contact(call)
     solution, radius = contact.solution, shape.rolling_radius
     assert radius is not None  # refused above
-    return RollingCurve(
+    curve = RollingCurve(
         coefficient=solution.mu,
         resistance=solution.friction_force,
         moment=solution.friction_force * radius,
         power=solution.friction_force * solution.velocity,
         **contact.common_fields(),
     )
+    return repeatable(curve, call)
