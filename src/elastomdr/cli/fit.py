@@ -499,7 +499,7 @@ def run_calibration(options: argparse.Namespace) -> int:
     from .compute import aligned, output_folder, write_all
 
     path, folder = Path(options.scene), output_folder(options.out)
-    with of_key(f"{path.name or path}:"):
+    with of_file(path):
         content = read_content(path)
     try:
         with em.progress("calibrating"):
@@ -513,8 +513,8 @@ def run_calibration(options: argparse.Namespace) -> int:
             )
     except InputError as error:
         if error.argument in ("measured", "parameters", "draws"):
-            error.subject = f"--{error.argument}"
-        elif not str(error).startswith(path.name):
+            error.called(f"--{error.argument}")
+        elif not error.places:
             error.inside(path.name)
         raise
     scene: Any = done.content | {"measured": os.path.relpath(done.measured, folder)}
