@@ -27,36 +27,27 @@ class InputError(ValueError):
     is accepted.
 
     Args:
-        said: the whole sentence; by default "ARGUMENT must be ACCEPTED, got GOT: HINT."
-        argument: its name, also an attribute of the error; by default the word
-            with which `said` begins, before "must" or a colon.
-        got: the value that is refused, likewise; not told where it is left out.
+        argument: its name, as it was typed; also an attribute of the error.
         accepted: what is accepted, in words that follow "must be", likewise.
+        got: the value that is refused, likewise; None where it is not told.
         hint: what to do, in words, likewise; an advice may be in it.
     """
 
     def __init__(
-        self,
-        said: str = "",
-        *,
-        argument: str = "",
-        got: object = _UNTOLD,
-        accepted: str = "",
-        hint: str = "",
+        self, *, argument: str, accepted: str, got: object = _UNTOLD, hint: str = ""
     ):
-        super().__init__(said)
-        first = said.partition(" must ")[0].partition(": ")[0]
-        name = first.rpartition("] ")[2]  # of a scene, behind its table
-        self.argument = argument or (first if name.isidentifier() else "")
-        self.accepted, self.hint = accepted, hint
+        super().__init__()
+        self.argument, self.accepted, self.hint = argument, accepted, hint
         self.tells_got = got is not _UNTOLD
         self.got = got if self.tells_got else None
         # what holds it, outermost first: the argument that names a file, and the file
         self.places: tuple[tuple[str, str], ...] = ()
-        # what the sentence begins with, which others may call otherwise
-        begins = not said or said.startswith(self.argument)
-        self.subject = self.argument if begins else ""
-        self.rest = said.removeprefix(self.subject)
+        # what the sentence begins with, which may say more than the argument
+        self.subject = argument
+        self.args = (str(self),)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _as_it_was, (type(self), self.__dict__)
 
     def __str__(self) -> str:
         return self.words()
@@ -71,20 +62,16 @@ class InputError(ValueError):
         them, the value is as `shown` writes it, and what the hint says to type as
         `advice` does.
         """
-        rest = self.rest
-        if not rest:
-            hint = told(self.hint, shown, advice)
-            accepted = told(self.accepted, shown, advice)
-            ends = f". {hint.strip()}" if hint.endswith(("?", ".")) else f": {hint}."
-            got = f", got {(shown or written)(self.got)}" if self.tells_got else ""
-            rest = f" must be {accepted}{got}{ends if hint else '.'}"
-        between = "" if rest.startswith((" ", ":")) else " "
+        hint, accepted = (told(x, shown, advice) for x in (self.hint, self.accepted))
+        if hint:
+            hint = f". {hint.strip()}" if hint.endswith(("?", ".")) else f": {hint}."
+        got = f", got {(shown or written)(self.got)}" if self.tells_got else ""
         places = (
             f"{called(argument) if argument else ''} {place}".strip()
             for argument, place in self.places
         )
-        subject = called(self.subject) if self.subject else ""
-        return ": ".join((*places, f"{subject}{between}{rest}".strip()))
+        sentence = f"{called(self.subject)} must be {accepted}{got}{hint or '.'}"
+        return ": ".join((*places, sentence))
 
     def inside(self, place: str, argument: str = "") -> None:
         """Puts what holds the argument before the sentence; then `raise`.
@@ -111,6 +98,13 @@ class InputError(ValueError):
         )
 
 
+def _as_it_was(kind: type[InputError], attributes: dict[str, object]) -> InputError:
+    """An error that comes from another process."""
+    error = kind.__new__(kind)
+    vars(error).update(attributes)
+    return error
+
+
 _BRIEF = reprlib.Repr()
 _BRIEF.maxstring = _BRIEF.maxother = 120
 _MOST = 6  # entries that are shown
@@ -122,14 +116,14 @@ def written(value: object) -> str:
     if units is not None and (number := getattr(value, "magnitude", None)) is not None:
         return f"{written(number)} {units}"
     shape = getattr(value, "shape", None)
+    if isinstance(value, float):
+        return f"{value:g}"
     if hasattr(value, "in_python"):  # a model
         return f"em.{value.in_python()}"  # pyright: ignore[reportAttributeAccessIssue]
     if isinstance(shape, tuple) and hasattr(value, "dtype"):
         if sum(shape) > _MOST or len(shape) > 1:
             return f"an array of the shape {shape}"
         value = getattr(value, "tolist", lambda: value)()
-    if isinstance(value, float):
-        return f"{value:g}"
     value = str(value) if isinstance(value, os.PathLike) else value
     return " ".join(_BRIEF.repr(value).split())
 

@@ -92,16 +92,20 @@ def test_errors_in_the_words_of_the_page():
             "Nominal pressure p must be x, got 1.",
         ),
         (
-            em.InputError("rms_slope is 3 m_s.", argument=slope),
+            em.InputError(argument=slope, accepted="3 m_s"),
             slope,
-            "“Rms slope ξ” is 3 m_s.",
+            "Rms slope ξ must be 3 m_s.",
         ),
         (
-            em.InputError("[heat.road] must be given."),
+            em.InputError(argument="[heat.road]", accepted="given"),
             "",
             "“Heat that flows into the road” must be given.",
         ),
-        (em.InputError("use an em.layer (em.layer(x))."), "", "use a layer."),
+        (
+            em.InputError(argument="it", accepted="an em.layer (em.layer(x))"),
+            "",
+            "it must be a layer.",
+        ),
     ):
         assert in_words(error, name) == words
 

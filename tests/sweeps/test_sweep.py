@@ -1722,7 +1722,7 @@ def test_command(tmp_path, capsys):
 
 def test_a_command_whose_calls_all_raise_says_what(tmp_path, capsys, monkeypatch):
     def refused(*_, **__):
-        raise em.InputError("cells must be more, got 4.")
+        raise em.InputError(argument="cells", got=4, accepted="more")
 
     here(monkeypatch)
     monkeypatch.setattr("elastomdr.friction", refused, raising=False)

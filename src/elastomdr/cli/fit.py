@@ -32,7 +32,7 @@ from .schema import (
     decode,
     given,
     keys_of,
-    of_key,
+    of_file,
     path_from,
 )
 from .typed import from_text, is_number

@@ -674,12 +674,7 @@ def master_curve(
 
     Source: `docs/fitting.md`.
     """
-    if not isinstance(dma, Dma):
-        raise InputError(
-            argument="dma",
-            got=type(dma).__name__,
-            accepted="a Dma, as em.read_dma returns it",
-        )
+    check_dma(dma)
     if not isinstance(vertical, (bool, np.bool_)):
         raise InputError(argument="vertical", got=vertical, accepted="True or False")
     tolerance = float(scalar("tolerance", tolerance))
@@ -803,3 +798,11 @@ def shifts_csv(master: MasterCurve) -> str:
         [("reference", f"{master.reference:.10g} K"), ("source", master.source)],
         columns,
     )
+
+
+def check_dma(dma: object) -> None:
+    """Raises `InputError` for what is no measurement."""
+    if not isinstance(dma, Dma):
+        raise InputError(
+            argument="dma", got=dma, accepted="a Dma, as em.read_dma returns it"
+        )

@@ -42,6 +42,7 @@ from ..trees import replaced
 from .laws import derivatives, fit_form, forms
 from .master import (
     MasterCurve,
+    check_dma,
     check_law,
     master_csv,
     master_curve,
@@ -549,6 +550,7 @@ def material(
         InputError: as `master_curve` and `prony`, and for a law that is none of these.
     """
     check_law(law)
+    check_dma(dma)
     if shift is not None and law != "auto":
         raise InputError(
             argument="law", got=law, accepted="left out where shift is given"
