@@ -9,7 +9,7 @@ import math
 import re
 import sys
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeGuard, TypeVar
 
 import numpy as np
 
@@ -43,7 +43,7 @@ def one_kernel(function: Callable[..., R]) -> Callable[..., R]:
     """
 
     @functools.wraps(function)
-    def wrapper(*args: Any) -> R:
+    def wrapper(*args: object) -> R:
         import jax
         from jax.experimental.xla_metadata import set_xla_metadata
 
@@ -64,7 +64,7 @@ def argmax(x: Array) -> Array:
     return xp.min(xp.where(x == xp.max(x, axis=0), place, x.shape[0] - 1), axis=0)
 
 
-def nan_unless(good: Any, values: Any) -> Any:
+def nan_unless(good: Array | np.bool_, values: Array) -> Any:
     """`values` where `good`, NaN elsewhere; under JAX's transformations so are the
     derivatives, which `jnp.where` would give as zero, and a search by gradients would
     take for a minimum.
@@ -99,14 +99,14 @@ def _traced_nan_unless() -> Any:
     return nan_unless
 
 
-def certain(test: Callable[..., Any], *values: Any) -> bool:
+def certain(test: Callable[..., Any], *values: object) -> bool:
     """Whether values pass a test at every entry; never those that JAX traces, which
     are not looked at.
     """
     return not is_traced(*values) and bool(np.all(test(*values)))
 
 
-def possible(test: Callable[..., Any], *values: Any) -> bool:
+def possible(test: Callable[..., Any], *values: object) -> bool:
     """Whether values may pass a test at some entry; always those that JAX traces, which
     are not looked at.
     """
@@ -124,7 +124,7 @@ def known(tree: Any) -> Any:
     return jax.tree.map(as_numpy, tree)
 
 
-def as_float64(name: str, value: Any) -> Array:
+def as_float64(name: str, value: object) -> Array:
     """Turns `value` into a float64 NumPy array, or a float64 JAX array where it is
     traced.
 
@@ -161,7 +161,7 @@ def as_float64(name: str, value: Any) -> Array:
 
 
 def require(
-    name: str, value: Any, accepted: str, test: Callable[[np.ndarray], Any]
+    name: str, value: ArrayLike, accepted: str, test: Callable[[np.ndarray], Any]
 ) -> None:
     """Raises `InputError` unless every entry passes `test`; values under a JAX
     transformation are not looked at.
@@ -180,11 +180,12 @@ def require(
         raise InputError(argument=name, got=float(first), accepted=accepted)
 
 
+_shape: Callable[[Any], tuple[int, ...]] = np.shape
 # beyond them products of a few numbers leave the range of float64
 _LEAST, _MOST = 1e-100, 1e100
 
 
-def positive(name: str, value: Any) -> None:
+def positive(name: str, value: ArrayLike) -> None:
     if (
         isinstance(value, np.ndarray)
         and value.size
@@ -210,14 +211,14 @@ def positive_arrays(arguments: Mapping[str, ArrayLike | None]) -> dict[str, Arra
     return arrays
 
 
-def not_negative(name: str, value: Any) -> None:
+def not_negative(name: str, value: ArrayLike) -> None:
     require(
         name, value, "zero or positive and finite", lambda x: (x >= 0) & np.isfinite(x)
     )
     representable(name, value)
 
 
-def finite(name: str, value: Any) -> None:
+def finite(name: str, value: ArrayLike) -> None:
     """Raises `InputError` unless every entry is finite, of either sign, and not beyond
     what can be computed with.
     """
@@ -227,7 +228,7 @@ def finite(name: str, value: Any) -> None:
     )
 
 
-def in_kelvin(name: str, value: Any, coldest: float = 60.0) -> None:
+def in_kelvin(name: str, value: ArrayLike, coldest: float = 60.0) -> None:
     """Raises `InputError` for temperatures that are not positive, or can only be meant
     in degrees Celsius.
     """
@@ -246,13 +247,13 @@ def in_kelvin(name: str, value: Any, coldest: float = 60.0) -> None:
     positive(name, value)
 
 
-def representable(name: str, value: Any) -> None:
+def representable(name: str, value: ArrayLike) -> None:
     """Refuses numbers whose products would leave the range of float64."""
     accepted = "zero or between 1e-100 and 1e100 in SI units"
     require(name, value, accepted, lambda x: (x == 0) | ((x > _LEAST) & (x < _MOST)))
 
 
-def ascending(name: str, values: Any) -> None:
+def ascending(name: str, values: ArrayLike) -> None:
     """Raises `InputError` unless a list rises from entry to entry without repeats."""
     if not possible(lambda x: (np.diff(x) > 0).all(), values):
         values = np.asarray(values)
@@ -266,7 +267,11 @@ def ascending(name: str, values: Any) -> None:
 
 
 def warn_unless(
-    good: Any, points: str, asked: str = "", reason: str = "", known: Any = False
+    good: Array | np.bool_,
+    points: str,
+    asked: str = "",
+    reason: str = "",
+    known: Array | bool = False,
 ) -> None:
     """Counts the points that are not `good` in one `ConvergenceWarning`, with what was
     `asked` of them and a sentence for the `reason`; none where JAX traces them, and
@@ -290,13 +295,13 @@ def warn_of_failed(
         warn(f"{sentence} {reason}".strip(), ConvergenceWarning)
 
 
-def alike(least: int, lists: Mapping[str, Any]) -> None:
+def alike(least: int, lists: Mapping[str, ArrayLike]) -> None:
     """Raises `InputError` unless these, by name, are lists of one length, with `least`
     entries or more.
     """
     first, *others = lists
-    shape = np.shape(lists[first])
-    wrong = [name for name in others if np.shape(lists[name]) != shape]
+    shape = _shape(lists[first])
+    wrong = [name for name in others if _shape(lists[name]) != shape]
     if len(shape) != 1 or shape[0] < least:
         wrong = [first]
     for name in wrong:
@@ -309,7 +314,7 @@ def alike(least: int, lists: Mapping[str, Any]) -> None:
         )
 
 
-def broadcast_shape(arrays: Mapping[str, Any]) -> tuple[int, ...]:
+def broadcast_shape(arrays: Mapping[str, ArrayLike | None]) -> tuple[int, ...]:
     """The shape to which arguments broadcast, those that are not None; raises
     `InputError` with the shape of each.
     """
@@ -317,7 +322,7 @@ def broadcast_shape(arrays: Mapping[str, Any]) -> tuple[int, ...]:
     shape: tuple[int, ...] = ()
     for name, array in given.items():
         try:
-            shape = np.broadcast_shapes(shape, np.shape(array))
+            shape = np.broadcast_shapes(shape, _shape(array))
         except ValueError as error:
             raise InputError(
                 argument=name,
@@ -332,16 +337,16 @@ def broadcast_shape(arrays: Mapping[str, Any]) -> tuple[int, ...]:
     return shape
 
 
-def _shapes(arrays: Mapping[str, Any]) -> str:
+def _shapes(arrays: Mapping[str, ArrayLike | None]) -> str:
     """The shapes of arguments, in words."""
-    shapes = {name: np.shape(array) for name, array in arrays.items()}
+    shapes = {name: _shape(array) for name, array in arrays.items()}
     return ", ".join(
         f"{name} has the shape {shape}" if shape else f"{name} is a number"
         for name, shape in shapes.items()
     )
 
 
-def broadcast(arrays: Mapping[str, Any]) -> dict[str, Any]:
+def broadcast(arrays: Mapping[str, ArrayLike | None]) -> dict[str, Any]:
     """Arguments in the shape to which they broadcast; None stays None. Raises
     `InputError` as `broadcast_shape` does.
     """
@@ -372,7 +377,7 @@ def only_one(arguments: Mapping[str, object]) -> str:
     )
 
 
-def scalar(name: str, value: Any) -> Array:
+def scalar(name: str, value: object) -> Array:
     """A float64 scalar from `value`; raises `InputError` for anything with a shape."""
     array = as_float64(name, value)
     if array.shape != ():
@@ -380,7 +385,7 @@ def scalar(name: str, value: Any) -> Array:
     return array
 
 
-def plain(name: str, value: Any) -> float:
+def plain(name: str, value: object) -> float:
     """A Python float, for what decides how a scene is computed; raises `InputError` for
     a value that JAX traces.
     """
@@ -401,12 +406,12 @@ def as_number(value: Any) -> Any:
     return float(value) if known else value
 
 
-def is_whole(value: Any) -> bool:
+def is_whole(value: object) -> TypeGuard[int]:
     """Whether a value is a whole number, and no flag."""
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
-def whole_number(name: str, value: Any, least: int, most: int | None = None) -> None:
+def whole_number(name: str, value: object, least: int, most: int | None = None) -> None:
     """Raises `InputError` unless `value` is a whole number from `least` to `most`."""
     if not is_whole(value) or value < least or (most is not None and value > most):
         accepted = f"{least} or more" if most is None else f"{least} to {most}"
@@ -415,7 +420,7 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None) -> 
         )
 
 
-def one_of(name: str, value: Any, *accepted: str) -> None:
+def one_of(name: str, value: object, *accepted: str) -> None:
     """Raises `InputError` unless a value is one of some texts."""
     if not isinstance(value, str) or value not in accepted:
         *first, last = map(repr, accepted)
@@ -429,7 +434,7 @@ def a_text(name: str, value: object) -> None:
         raise InputError(argument=name, got=value, accepted="a text")
 
 
-def untraced(error: InputError, *values: Any) -> None:
+def untraced(error: InputError, *values: object) -> None:
     """Raises this error where JAX traces one of the values."""
     if is_traced(*values):
         raise error
@@ -442,7 +447,7 @@ def numbers_only(arguments: Mapping[str, object], hint: str = "") -> None:
         untraced(InputError(argument=name, accepted=accepted, hint=hint), value)
 
 
-def written(module: Any) -> str:
+def written(module: object) -> str:
     """A module as its class and its fields, numbers with six digits: what `repr` shows
     of shapes and shift laws.
     """

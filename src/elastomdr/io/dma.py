@@ -201,8 +201,8 @@ def _specimen(
     given = {"area": area, "length": length, "ramp": ramp}
     for name, value in given.items():
         if value is not None:
-            given[name] = plain(name, value)
-            positive(name, given[name])
+            given[name] = number = plain(name, value)
+            positive(name, number)
     return Specimen(**given, storage_only=bool(storage_only))
 
 

@@ -173,8 +173,8 @@ class Adhesion(Tree):
         lengths = {"cutoff": cutoff, "strength": strength}
         for name, value in lengths.items():
             if value is not None:
-                lengths[name] = plain(name, value)
-                positive(name, lengths[name])
+                lengths[name] = number = plain(name, value)
+                positive(name, number)
         if cutoff is not None and strength is not None:
             raise InputError(
                 argument="strength",
