@@ -35,7 +35,7 @@ import elastomdr as em
 from elastomdr.rough import multiscale
 from elastomdr.rough.psd_integrals import nodes
 from elastomdr.rough.random_maps import full_contact
-from elastomdr.rough.road_model import RoadProblem
+from elastomdr.rough.road_model import RoadProblem, WaveProblem
 
 BANDS = (0.0, 0.01, 0.05, 0.25, 0.75, 1.0)  # of real contact area
 # of the form, beside the uncertainty of the truth: keeps single points from deciding
@@ -84,7 +84,7 @@ class Points:
             at = np.array([p["velocity"]]), np.array([p["pressure"]])
             cells = nodes(surface, CELLS, multiscale.bends(surface, local))
             table = multiscale.table_of(modulus, cells, at[0], 32, local)
-            scenes.append((table, cells, *at))
+            scenes.append(WaveProblem(table, cells, *at))
             felt.append(multiscale.felt(body, surface, at[0]))
             slope.append(slope_of_loss(body, surface, p["velocity"]))
             full.append(full_contact(modulus, surface, *at)[0])
@@ -117,7 +117,7 @@ class Points:
         chosen = range(self.mu.size) if chosen is None else chosen
         out = []
         for i in chosen:
-            waves = multiscale.waves_of_multiscale(*self.scenes[i], form=form)
+            waves = multiscale.waves_of_multiscale(self.scenes[i], form)
             mu = waves.each.sum() + waves.edges[0]
             out.append((mu / self.mu[i], waves.area[0] / self.area[i]))
         return np.log(np.transpose(out))

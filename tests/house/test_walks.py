@@ -37,8 +37,8 @@ WALKS = {
         rough.road_model.RoadProblem.of:self.pressure
         rough.multiscale._in_batches:problem.pressure
         rough.multiscale._evaluate:pressure
-        rough.road_models.Multiscale.waves:pressure
-        rough.multiscale.waves_of_multiscale:pressure""",
+        rough.road_models.Multiscale.waves:problem.pressure
+        rough.multiscale.waves_of_multiscale:problem.pressure""",
     "friction:temperature": f"""verbs.friction.friction:temperature
         {ROAD.format("temperature")} material.shift.thermal_factors:temperature
         material.shift.AbstractShift.a:temperature

@@ -14,9 +14,9 @@ from scipy.special import i0e, k0e
 import elastomdr as em
 from elastomdr.arrays import numpy_unless_traced
 from elastomdr.element.law import surface_foundation
-from elastomdr.rough import multiscale
 from elastomdr.rough import temperature_by_scale as warm
 from elastomdr.rough.psd_integrals import integral_to, nodes
+from elastomdr.rough.road_model import WaveProblem
 
 from ..refused import mentions, refused, warned
 
@@ -107,11 +107,7 @@ def test_conduction_is_what_plain_sums_make_of_it(heat, adhesion):
     )
     body, at = surface_foundation(rubber), nodes(ROAD, 64)
     found = em.Multiscale().waves(
-        body.complex_modulus,
-        at,
-        np.array([0.3]),
-        np.array([2e5]),
-        multiscale.Local(),
+        WaveProblem(body.complex_modulus, at, np.array([0.3]), np.array([2e5]))
     )
     shares = em.Multiscale().contact(integral_to(found.rate, at.weight), found.stiffer)
     shares = np.append(shares[0].ravel(), shares[0, -1, -1])

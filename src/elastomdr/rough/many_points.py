@@ -14,7 +14,7 @@ import numpy as np
 from ..arrays import Array, on_jax
 from .local_modulus import Local
 from .psd_integrals import Nodes, Tables
-from .road_model import WaveByWave
+from .road_model import WaveByWave, WaveProblem
 
 # points from which an accelerator is asked for: below, compiling takes longer
 _MANY = 20_000
@@ -74,7 +74,7 @@ def _program(model: WaveByWave, step: float, first: int) -> Any:
         wave_nodes: Nodes, cubics: np.ndarray, velocity: Array, pressure: Array
     ) -> Any:
         table = Tables(step, first, cubics)
-        waves = model.waves(table, wave_nodes, velocity, pressure, Local())
+        waves = model.waves(WaveProblem(table, wave_nodes, velocity, pressure))
         return waves.each.sum((-2, -1)) + waves.edges, waves.area
 
     return jax.jit(evaluate)

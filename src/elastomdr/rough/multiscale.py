@@ -79,7 +79,7 @@ from .psd_integrals import (
     spread_of,
     tables,
 )
-from .road_model import RoadProblem, SurfaceFriction, WaveByWave, Waves
+from .road_model import RoadProblem, SurfaceFriction, WaveByWave, WaveProblem, Waves
 
 if TYPE_CHECKING:
     from .._types import Scalar
@@ -208,7 +208,7 @@ def _evaluate(
     local: Local,
 ) -> tuple[Any, Any]:
     """mu and area of real contact at each point."""
-    by_wave = model.waves(moduli, wave_nodes, velocity, pressure, local)
+    by_wave = model.waves(WaveProblem(moduli, wave_nodes, velocity, pressure, local))
     return by_wave.each.sum((-2, -1)) + by_wave.edges, by_wave.area
 
 
@@ -280,15 +280,9 @@ def rate_of(wave_nodes: Nodes, stiffness: Array | float, pressure: Array) -> Arr
     return wave_nodes.power * stiffness / (8 * pressure**2)
 
 
-def waves_of_persson(
-    moduli: Moduli,
-    wave_nodes: Nodes,
-    velocity: Array,
-    pressure: Array,
-    energy_factor: tuple[float, bool],
-    local: Local,
-) -> Waves:
+def waves_of_persson(problem: WaveProblem, energy_factor: tuple[float, bool]) -> Waves:
     """Friction wave by wave, by Persson's theory; none of contact edges."""
+    moduli, wave_nodes, velocity, pressure, local = problem
     p = pressure[:, None, None]
     drag, stiffness, *_ = averages_of(moduli, velocity, wave_nodes.q, local)
     rate = rate_of(wave_nodes, stiffness, p)
@@ -300,15 +294,9 @@ def waves_of_persson(
     return Waves(each, 0.0 * area, rate, 0.0 * rate, area)
 
 
-def waves_of_multiscale(
-    moduli: Moduli,
-    wave_nodes: Nodes,
-    velocity: Array,
-    pressure: Array,
-    local: Local = _LINEAR,
-    form: Form = FORM,
-) -> Waves:
-    """Friction wave by wave, at points (velocity [m/s], pressure [Pa]), flat."""
+def waves_of_multiscale(problem: WaveProblem, form: Form = FORM) -> Waves:
+    """Friction wave by wave."""
+    moduli, wave_nodes, velocity, pressure, local = problem
     p = pressure[:, None, None]
     speeds, each_point = velocity, lambda values: values
     if local.warmed is None and local.directed is None:  # points differ in no more

@@ -28,7 +28,7 @@ from .half_space import solve, waves
 from .local_modulus import Local
 from .multiscale import averages_of, contact, waves_of_persson
 from .psd_integrals import Modulus, integral_to, nodes
-from .road_model import SurfaceFriction
+from .road_model import SurfaceFriction, WaveProblem
 
 if TYPE_CHECKING:
     from ..surface.spectrum import AbstractSpectrum
@@ -246,9 +246,10 @@ def summits(
 ) -> np.ndarray:
     """How many summits of the longest waves carry the load, by Persson's theory."""
     wave_nodes = nodes(spectrum, 16)
-    by_wave = waves_of_persson(
-        modulus, wave_nodes, velocity, pressure, _ENERGY, Local(directed=directed)
+    problem = WaveProblem(
+        modulus, wave_nodes, velocity, pressure, Local(directed=directed)
     )
+    by_wave = waves_of_persson(problem, _ENERGY)
     variance = integral_to(by_wave.rate, wave_nodes.weight)
     shares = contact(variance, *_ENERGY, by_wave.stiffer)
     shares = shares.reshape(velocity.size, -1)

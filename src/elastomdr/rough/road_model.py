@@ -59,6 +59,16 @@ class MapsOf(NamedTuple):
     seeds: tuple[int, ...]  # of random ones
 
 
+class WaveProblem(NamedTuple):
+    """Points of a surface under a pressure, as a `WaveByWave` solves them."""
+
+    moduli: Moduli
+    nodes: Nodes  # of the integral over the waves
+    velocity: Array  # reduced [m/s] (points,)
+    pressure: Array  # at the reference temperature [Pa] (points,)
+    local: Local = Local()  # how moduli differ from scale to scale
+
+
 class Waves(NamedTuple):
     """Where on the scale of lengths a surface is in contact and loses energy."""
 
@@ -73,15 +83,8 @@ class WaveByWave(ABC):
     """A model that tells the friction of each wave."""
 
     @abstractmethod
-    def waves(
-        self,
-        moduli: Moduli,
-        nodes: Nodes,
-        velocity: Array,
-        pressure: Array,
-        local: Local,
-    ) -> Waves:
-        """Friction wave by wave at points (velocity [m/s], pressure [Pa]), flat."""
+    def waves(self, problem: WaveProblem) -> Waves:
+        """Friction wave by wave."""
 
     @abstractmethod
     def contact(self, stress_variance: Array, stiffer: Array) -> Array:

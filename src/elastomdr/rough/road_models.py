@@ -17,13 +17,13 @@ from ..errors import InputError
 from ..models import flag, seeds_of
 from ..units.arguments import constructor_in_si
 from . import multiscale
-from .local_modulus import Local
 from .road_model import (
     MapsOf,
     RoadProblem,
     SurfaceFriction,
     SurfaceModel,
     WaveByWave,
+    WaveProblem,
     Waves,
 )
 
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from ..arrays import Array
     from ..call.types import SteadyBody
     from ..surface.spectrum import AbstractSpectrum
-    from .psd_integrals import Moduli, Nodes
 
 
 class _ClosedIntegrals(SurfaceModel, WaveByWave):
@@ -108,15 +107,8 @@ class Multiscale(_ClosedIntegrals):
     def energy_factor(self) -> tuple[float, bool]:
         return multiscale.FORM.gamma, True
 
-    def waves(
-        self,
-        moduli: Moduli,
-        nodes: Nodes,
-        velocity: Array,
-        pressure: Array,
-        local: Local,
-    ) -> Waves:
-        return multiscale.waves_of_multiscale(moduli, nodes, velocity, pressure, local)
+    def waves(self, problem: WaveProblem) -> Waves:
+        return multiscale.waves_of_multiscale(problem)
 
 
 @constructor_in_si
@@ -160,17 +152,8 @@ class Persson(_ClosedIntegrals):
             return None
         return super().bound_terms(of_area)
 
-    def waves(
-        self,
-        moduli: Moduli,
-        nodes: Nodes,
-        velocity: Array,
-        pressure: Array,
-        local: Local,
-    ) -> Waves:
-        return multiscale.waves_of_persson(
-            moduli, nodes, velocity, pressure, self.energy_factor(), local
-        )
+    def waves(self, problem: WaveProblem) -> Waves:
+        return multiscale.waves_of_persson(problem, self.energy_factor())
 
 
 @constructor_in_si

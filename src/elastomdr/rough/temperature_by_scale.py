@@ -47,7 +47,7 @@ from .heat import Heat, highest_rise
 from .local_modulus import Local, SoftenedByScale, Warmed, basis, log_stations, place_of
 from .multiscale import bends, distinct, table_of
 from .psd_integrals import Moduli, Nodes, cell_counts, integral_to, nodes
-from .road_model import WaveByWave, Waves
+from .road_model import WaveByWave, WaveProblem, Waves
 
 if TYPE_CHECKING:
     from ..call.types import SteadyBody
@@ -380,11 +380,13 @@ def _state(
             warmed=Warmed(conduct.ends, rise, problem.temperature, problem.body)
         )
         by_wave = model.waves(
-            moduli,
-            conduct.wave_nodes,
-            problem.reduced,
-            problem.reduced_pressure,
-            local,
+            WaveProblem(
+                moduli,
+                conduct.wave_nodes,
+                problem.reduced,
+                problem.reduced_pressure,
+                local,
+            )
         )
         return _heated(problem, model, conduct, by_wave, rise)
 
