@@ -351,7 +351,7 @@ def test_two_bodies_that_shift_differently_meet_at_one_temperature(place, capsys
             'other = "other.toml"\ntemperature = ["20 degC", "30 degC"]',
         ),
     )
-    assert mentions(refused(capsys, "friction", name), "single value", "several")
+    assert mentions(refused(capsys, "friction", name), "temperature", "single value")
     name = write(place, ('temperature = "20 degC"', 'other = "other.toml"'))
     assert mentions(refused(capsys, "friction", name), "temperature", "none")
 

@@ -271,7 +271,7 @@ def test_repr_is_readable_and_never_fails():
 
     def under_jit(curve):
         seen.append((repr(curve), curve.summary()))
-        with pytest.raises(em.InputError, match="traces"):
+        with pytest.raises(em.InputError, match="outside jit, grad and vmap"):
             curve.columns()
         return curve
 
@@ -377,7 +377,7 @@ def test_materials_are_a_first_axis(tmp_path):
         (
             [flat, dataclasses.replace(flat, contact=None)],
             ["a", "b"],
-            "computed alike, got contact",
+            "computed alike, 2 of them with contact",
         ),
     ):
         with pytest.raises(em.InputError, match=said):
