@@ -18,6 +18,8 @@ RUBBER, BALL, TIME = (
 )
 CARCASS, TREAD = em.Foundation(8e7, [], []), em.Foundation(5e7, [1e8, 1e8], [1e-2, 1.0])
 WHEEL = {"velocity": 25.0, "slip": 0.005, "friction": 0.8, "tangential": TREAD}
+ROAD = em.SelfAffine(0.8, rms_slope=0.4, q_low=1e3, q_high=1e4)
+SEAL = {"viscosity": 1e-3, "length": 1e-3}
 CALLS = {
     "indent": lambda k: em.indent(RUBBER, BALL, time=TIME, depth=k * 1e-4 * TIME).force,
     "a load on an elastic body": lambda k: (
@@ -95,6 +97,12 @@ VERBS = {
     "drive": lambda k: em.drive(
         RUBBER, BALL, time=SHORT, position=1e-3 * SHORT, load=k, **COARSE
     ).mu[-1],
+    "leak": lambda k: (
+        em.leak(RUBBER, ROAD, pressure=1e5 * k, pressure_drop=1e3, **SEAL).rate
+    ),
+    "break_out": lambda k: (
+        em.break_out(RUBBER, ROAD, pressure=1e5 * k, boundary_shear=1e4).mu
+    ),
     "traction": lambda k: (
         em.traction(CARCASS, em.Cylinder(0.3, 0.16), load=4e3 * k, **WHEEL).force
     ),
