@@ -62,7 +62,7 @@ WALKS = {
         seal.persson_gap.contact_of:relative_pressure
         rough.multiscale.rate_of:pressure""",
     "lubricated:velocity": """seal.lubricated.lubricated:velocity
-        seal.lubricated._check:velocity checks.positive_arrays:arguments.velocity
+        seal.lubricated._check:asked.velocity checks.positive_arrays:arguments.velocity
         seal.lubricated._solve:scene.velocity seal.lubricated._case:scene.velocity
         seal.film.follow:cases.parameter seal.film._walk:case.parameter
         seal.film.Case.with_parameter:parameter seal.film.solve:contact.parameter

@@ -301,22 +301,20 @@ def lubricated(
     gap. Source: `docs/seal.md`; Giacopini et al., J. Tribol. 132 (2010) 041702; Patir &
     Cheng, J. Lubr. Technol. 100 (1978) 12.
     """
-    numbers_only(
-        {
-            "material": material,
-            "shape": shape,
-            "velocity": velocity,
-            "load": load,
-            "viscosity": viscosity,
-            "temperature": temperature,
-            "time": time,
-            "surface": surface,
-            "boundary_shear": boundary_shear,
-        }
-    )
     solid: Any = material  # `over_materials` has taken a list apart
     scene = _check(
-        solid, shape, velocity, load, viscosity, temperature, time, rubber, surface
+        _FilmAsked(
+            solid,
+            shape,
+            velocity,
+            load,
+            viscosity,
+            temperature,
+            time,
+            rubber,
+            surface,
+            boundary_shear,
+        )
     )
     one_of("flow_factor", flow_factor, *_ROUGH)
     shear = _checked_shear(boundary_shear, surface, temperature)
@@ -351,6 +349,21 @@ class _Solved(NamedTuple):
     good: bool = False
 
 
+class _FilmAsked(NamedTuple):
+    """The arguments as they were given."""
+
+    material: Material
+    shape: Cylinder
+    velocity: ArrayLike
+    load: ArrayLike
+    viscosity: ArrayLike
+    temperature: ArrayLike | None
+    time: ArrayLike | None
+    rubber: str
+    surface: AbstractSpectrum | None
+    boundary_shear: float | AdhesiveShear | None
+
+
 class _FilmScene(NamedTuple):
     """The arguments, flat, in SI units."""
 
@@ -376,40 +389,31 @@ class _FilmScene(NamedTuple):
             yield np.flatnonzero(group == i)
 
 
-def _check(
-    material: Material,
-    shape: Cylinder,
-    velocity: ArrayLike,
-    load: ArrayLike,
-    viscosity: ArrayLike,
-    temperature: ArrayLike | None,
-    time: ArrayLike | None,
-    rubber: str,
-    surface: AbstractSpectrum | None,
-) -> _FilmScene:
+def _check(asked: _FilmAsked) -> _FilmScene:
     """The arguments, checked and broadcast. Raises `InputError`."""
-    if not isinstance(shape, Cylinder):
+    numbers_only(asked._asdict())
+    if not isinstance(asked.shape, Cylinder):
         raise InputError(
             argument="shape",
-            got=shape,
+            got=asked.shape,
             accepted="an em.Cylinder(radius, length) under a film",
         )
-    if surface is not None:
-        as_spectrum("surface", surface)
-    one_of("rubber", rubber, *MOTIONS)
-    if time is not None and rubber != "rests":
+    if asked.surface is not None:
+        as_spectrum("surface", asked.surface)
+    one_of("rubber", asked.rubber, *MOTIONS)
+    if asked.time is not None and asked.rubber != "rests":
         raise InputError(
             argument="time",
-            got=time,
+            got=asked.time,
             accepted="left out for rubber that moves through the contact",
         )
     arrays = positive_arrays(
         {
-            "velocity": velocity,
-            "load": load,
-            "viscosity": viscosity,
-            "temperature": temperature,
-            "time": time,
+            "velocity": asked.velocity,
+            "load": asked.load,
+            "viscosity": asked.viscosity,
+            "temperature": asked.temperature,
+            "time": asked.time,
         }
     )
     dims = broadcast_shape(arrays)
@@ -419,16 +423,17 @@ def _check(
     temperatures = flat.get("temperature")
     if temperatures is not None:
         in_kelvin("temperature", temperatures)
+    solid: Any = asked.material
     factor, vertical = (
         np.broadcast_to(each, flat["load"].shape)
-        for each in thermal_factors(material, temperatures)
+        for each in thermal_factors(solid, temperatures)
     )
-    bodies_of(material)  # refuses what carries no film
+    bodies_of(solid)  # refuses what carries no film
     return _FilmScene(
-        material,
-        shape,
-        surface,
-        rubber,
+        solid,
+        asked.shape,
+        asked.surface,
+        asked.rubber,
         dims,
         flat["velocity"],
         flat["load"],
