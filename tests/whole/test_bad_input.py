@@ -86,7 +86,7 @@ CASES = {
             load=1.0,
             temperature=194.0,
         ),
-        "temperature must keep the velocity times a_T between.*got 194 K",
+        "temperature must be such that the velocity times a_T.*got 194",
     ),
     "no velocity": (
         lambda: em.friction(
