@@ -181,3 +181,94 @@ def test_bad_input_is_one_clear_line(bare, mu):
         with pytest.raises(InputError, match=named) as caught:
             call()
         assert "\n" not in str(caught.value)
+
+
+class TestSeveralCompounds:
+    """One law for several rubbers on one road."""
+
+    SOFT = em.Prony(
+        RUBBER.equilibrium,
+        0.6 * RUBBER.moduli,
+        RUBBER.times,
+        shift=RUBBER.shift,
+        name="softer",
+    )
+
+    def test_the_law_of_all_comes_back_where_one_alone_sees_one_flank(self):
+        """Each was measured on another side of the summit of its stress."""
+        scenes = [
+            SCENE | {"velocity": np.geomspace(*ends, 6)}
+            for ends in ((1e-7, 1e-4), (1e-3, 1e-1))
+        ]
+        rubbers = [RUBBER, self.SOFT]
+        pairs = list(zip(rubbers, scenes, strict=True))
+        curves = [em.friction(rubber, ROAD, **scene) for rubber, scene in pairs]
+        measured = [
+            em.friction(rubber, ROAD, adhesion=LAW, **scene).mu
+            for rubber, scene in pairs
+        ]
+        fit = em.fit.adhesion(curves, measured, error=1e-6)
+        for name, value in TRUTH.items():
+            assert fit.parameters[name] == pytest.approx(value, rel=1e-6), name
+        assert fit.carried == pytest.approx((1.0, 1.0), abs=1e-6)
+        np.testing.assert_array_equal(fit.compound, np.repeat([0, 1], 18))
+        np.testing.assert_allclose(fit.measured, np.concatenate(measured, None))
+
+    def test_how_well_it_carries_is_the_stress_of_each_by_itself(
+        self, bare, mu, tmp_path
+    ):
+        other = em.friction(self.SOFT, ROAD, **SCENE)
+        stronger = em.AdhesiveShear(7.2e6, 4e-3, 0.1, shift=LAW.shift)
+        measured = em.friction(self.SOFT, ROAD, adhesion=stronger, **SCENE).mu
+        fit = em.fit.adhesion([bare, other], [mu, measured], error="relative")
+        first, second = fit.carried
+        assert second / first == pytest.approx(1.2, rel=0.05)
+        assert first < 1 < second
+        said = dict(fit.findings())["compounds"]
+        assert f"{first:.3g}, {second:.3g}" in said
+        fit.to_csv(tmp_path / "both.csv")
+        lines = (tmp_path / "both.csv").read_text().splitlines()
+        rows = [line for line in lines if not line.startswith("#")]
+        place = rows[0].split(",").index("compound")
+        assert {row.split(",")[place] for row in rows[1:]} == {"1", "2"}
+
+    def test_softening_that_is_left_out_does_not_carry(self):
+        """A rubber that softens at the strains of asperities has more contact: without
+        its softening the same friction takes a larger stress, with it the same.
+        """
+        payne = em.Softening(
+            [1e-3, 1e-2, 0.1, 1.0], [1.0, 0.8, 0.5, 0.35], [1.0, 0.9, 0.6, 0.4]
+        )
+        fields = {"shift": RUBBER.shift, "name": "filled"}
+        filled = em.Prony(
+            RUBBER.equilibrium, RUBBER.moduli, RUBBER.times, softening=payne, **fields
+        )
+        linear = em.Prony(RUBBER.equilibrium, RUBBER.moduli, RUBBER.times, **fields)
+        unfilled = self.SOFT
+        measured = [
+            em.friction(rubber, ROAD, adhesion=LAW, **SCENE).mu
+            for rubber in (filled, unfilled)
+        ]
+
+        def apart(rubber, share=0.5):
+            curves = [
+                em.friction(each, ROAD, strain_share=share, **SCENE)
+                for each in (rubber, unfilled)
+            ]
+            first, second = em.fit.adhesion(curves, measured, error="relative").carried
+            return first / second
+
+        assert apart(filled) == pytest.approx(1.0, abs=1e-6)
+        assert apart(filled, 0.25) == pytest.approx(1.13, abs=0.03)
+        assert apart(filled, 1.0) == pytest.approx(1 / 1.12, abs=0.03)
+        assert apart(linear) == pytest.approx(2.26, abs=0.1)
+
+    def test_bad_lists_are_one_clear_line(self, bare, mu):
+        for curves, measured, argument in (
+            ([bare, bare], [mu], "measured"),
+            ([bare, bare], mu, "measured"),
+            ([bare, {1e5: bare, 2e5: bare, 3e5: bare, 4e5: bare}], [mu, mu], "curve"),
+        ):
+            with pytest.raises(InputError) as caught:
+                em.fit.adhesion(curves, measured)
+            assert caught.value.argument == argument

@@ -18,7 +18,7 @@ SOURCE = Path(em.__file__).parent
 ROOMS = {
     "transient": 67,
     "rough": 65,
-    "fit": 67,
+    "fit": 68,
     "smooth": 49,
     "seal": 41,
     "results": 40,

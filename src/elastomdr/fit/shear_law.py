@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import functools
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, TypeAlias
 
@@ -30,7 +30,7 @@ from ..rough.adhesion import AdhesiveShear
 from .report import AbstractFindings, table_csv, tell
 
 if TYPE_CHECKING:
-    from jaxtyping import Bool, Float
+    from jaxtyping import Bool, Float, Int
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Style
@@ -63,6 +63,8 @@ _STARTS = 3  # of these, the best, from which the search sets out
 # of ln q: hysteresis and area of contact over normal force [1/Pa] at the points
 Parts: TypeAlias = Callable[[float | None], tuple[np.ndarray, np.ndarray]]
 Ends: TypeAlias = tuple[float, float]
+# of one compound, or by the cutoff of its surface
+Curves: TypeAlias = FrictionCurve | Mapping[float, FrictionCurve]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -90,10 +92,25 @@ class AdhesionFit(AbstractFindings):
     reference: float | None  # temperature of `velocity` of the law [K]
     # stress where hysteresis is off by the bound of its model [Pa]
     level: tuple[float, float] | None
+    compound: Int[np.ndarray, " n"]  # which of several each point is of, from 0
     warnings: tuple[str, ...]
     converged: bool
 
     intervals: ClassVar[str] = "95 %, by the profile of the sum of squares"
+
+    @property
+    def carried(self) -> tuple[float, ...]:
+        """The stress with which each compound by itself would be closest to its
+        measurement, over that of all: how well the law carries from one to another.
+        """
+        found = []
+        for number in np.unique(self.compound):
+            here = self.used & (self.compound == number)
+            shape, left = self.adhesion / self.error, self.residuals / self.error
+            found.append(
+                1 + float(shape[here] @ left[here] / (shape[here] @ shape[here]))
+            )
+        return tuple(found)
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the fit, as pairs of a name and a text."""
@@ -117,6 +134,9 @@ class AdhesionFit(AbstractFindings):
                 f"{self.error.mean():.3g}"
             ),
         )
+        if self.compound.any():
+            alone = ", ".join(f"{times:.3g}" for times in self.carried)
+            yield "compounds", f"stress of each by itself over that of all: {alone}"
         if self.level is not None:
             low, high = self.level
             yield (
@@ -213,6 +233,7 @@ class _MeasuredFriction(NamedTuple):
     pressure: np.ndarray | None
     error: np.ndarray | None
     mu: np.ndarray
+    compound: np.ndarray
 
 
 class _Computed(NamedTuple):
@@ -225,8 +246,8 @@ class _Computed(NamedTuple):
 
 @in_si
 def adhesion(
-    curve: FrictionCurve | Mapping[float, FrictionCurve],
-    measured: MeasuredFriction | ArrayLike,
+    curve: Curves | Sequence[Curves],
+    measured: MeasuredFriction | ArrayLike | Sequence[MeasuredFriction | ArrayLike],
     *,
     error: ArrayLike | Literal["relative"] | None = None,
     reference: float | None = None,
@@ -244,9 +265,10 @@ def adhesion(
             velocity=data.velocity, temperature=data.temperature, pressure=p)`; on a
             grid of velocities, temperatures and pressures it is interpolated. With the
             cutoff free, several of them by cutoff, `{q: em.friction(rubber,
-            road.ended(q), ...) for q in ...}`, four or more.
+            road.ended(q), ...) for q in ...}`, four or more. A list of them, one for
+            each of several compounds, is fitted by one law.
         measured: measured friction, as `em.read_friction` returns it, or coefficients
-            of the shape of `curve.mu`.
+            of the shape of `curve.mu`; with a list of curves a list as long.
         error: standard deviation of a measured mu, one number or one per point; by
             default that of the data's file. If there is none it is estimated, of one
             size for all points, or in proportion to the friction with "relative".
@@ -255,8 +277,8 @@ def adhesion(
 
     Returns:
         An `AdhesionFit`: `law` for `em.friction(adhesion=)`, `parameters` and their 95
-            % `interval`, and in `warnings`
-        what the data cannot decide.
+            % `interval`, of several compounds `carried`, the stress that each has by
+            itself over the common one, and in `warnings` what the data cannot decide.
 
     Raises:
         InputError: for a curve without area of contact, points that do not match, and
@@ -265,10 +287,16 @@ def adhesion(
     The intervals contain the scatter of the data, not what the model of hysteresis and
     area is off.
     """
-    curves = _checked_curves(curve)
-    data = _measured(measured, next(iter(curves.values())))
+    compounds = [
+        (curves, _measured(points, next(iter(curves.values())), number))
+        for number, (curves, points) in enumerate(_of_compounds(curve, measured))
+    ]
+    data = _joined([points for _, points in compounds])
     temperature, mu = data.temperature, data.mu
-    computed = {float(q): _at_points(each, data) for q, each in curves.items()}
+    computed = {}
+    for q in compounds[0][0]:
+        parts = [_at_points(curves[q], points) for curves, points in compounds]
+        computed[q] = _Computed(*map(np.concatenate, zip(*parts, strict=True)))
     used = np.isfinite(mu)
     for each in computed.values():
         used &= np.isfinite(each.hysteresis) & np.isfinite(each.share)
@@ -311,6 +339,43 @@ def adhesion(
     return fit
 
 
+def _of_compounds(
+    curve: object, measured: object
+) -> list[tuple[Mapping[float, FrictionCurve], object]]:
+    """The curves by their cutoff, and what was measured, of each compound. Raises
+    `InputError`.
+    """
+    several = isinstance(curve, list)
+    curves = [_checked_curves(each) for each in (curve if several else [curve])]
+    points = measured if several else [measured]
+    cutoffs = {frozenset(each) for each in curves}
+    if len(cutoffs) != 1:
+        accepted = "one or more, of the same cutoffs"
+        raise InputError(argument="curve", got=list(cutoffs), accepted=accepted)
+    if not isinstance(points, list) or len(points) != len(curves):
+        accepted = f"a list as long as that of the curves, {len(curves)}"
+        raise InputError(argument="measured", got=points, accepted=accepted)
+    return list(zip(curves, points, strict=True))
+
+
+def _joined(compounds: list[_MeasuredFriction]) -> _MeasuredFriction:
+    """The points of all compounds. Raises `InputError` where some have a temperature or
+    an error and others have none.
+    """
+    columns = {}
+    for name in _MeasuredFriction._fields:
+        column = [getattr(each, name) for each in compounds]
+        given = [values for values in column if values is not None]
+        if 0 < len(given) < len(column) and name != "pressure":
+            raise InputError(
+                argument="measured",
+                got=f"{name} of {len(given)} of {len(column)} compounds",
+                accepted=f"with {name} for all compounds or for none",
+            )
+        columns[name] = np.concatenate(given) if len(given) == len(column) else None
+    return _MeasuredFriction(**columns)
+
+
 def _checked_curves(curve: object) -> Mapping[float, FrictionCurve]:
     """The curves by their cutoff; of a single one by 0. Raises `InputError`."""
     curves = curve if isinstance(curve, Mapping) else {0.0: curve}
@@ -326,9 +391,7 @@ def _checked_curves(curve: object) -> Mapping[float, FrictionCurve]:
     return curves
 
 
-def _measured(
-    measured: MeasuredFriction | ArrayLike, curve: FrictionCurve
-) -> _MeasuredFriction:
+def _measured(measured: object, curve: FrictionCurve, number: int) -> _MeasuredFriction:
     """Velocity, temperature, pressure, mu and error of the points, flat."""
     given: MeasuredFriction | FrictionCurve = curve
     if isinstance(measured, MeasuredFriction):
@@ -342,12 +405,18 @@ def _measured(
                 accepted=f"of the shape of the curve, {np.shape(curve.mu)}",
             )
     require("measured", mu, "finite", np.isfinite)
-    columns = (given.velocity, given.temperature, given.pressure, error, mu)
-    flat = [
-        None if value is None else np.asarray(value, dtype=float).ravel()
-        for value in columns
-    ]
-    return _MeasuredFriction(*flat)  # pyright: ignore[reportArgumentType]
+
+    def flat(value: ArrayLike | None) -> np.ndarray | None:
+        return None if value is None else np.asarray(value, dtype=float).ravel()
+
+    return _MeasuredFriction(
+        np.ravel(np.asarray(given.velocity, dtype=float)),
+        flat(given.temperature),
+        flat(given.pressure),
+        flat(error),
+        mu.ravel(),
+        np.full(mu.size, number),
+    )
 
 
 def _at_points(curve: FrictionCurve, data: _MeasuredFriction) -> _Computed:
@@ -678,6 +747,7 @@ def _report(
         error=np.where(used, error, np.nanmean(error)),
         reference=reference,
         level=_level(points, computed, used, p, size),
+        compound=data.compound,
         converged=success,
         warnings=(),
     )
@@ -777,6 +847,8 @@ def adhesion_csv(fit: AdhesionFit) -> str:
     columns: dict[str, np.ndarray] = {"velocity [m/s]": fit.velocity}
     if fit.temperature is not None:
         columns["temperature [K]"] = fit.temperature
+    if fit.compound.any():
+        columns["compound"] = fit.compound + 1
     columns |= {
         "measured friction coefficient [-]": fit.measured,
         "hysteresis [-]": fit.hysteresis,
