@@ -4,6 +4,7 @@ own order.
 
 import functools
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -331,3 +332,32 @@ def test_body_above_the_surface_feels_nothing():
     assert found.force[2] == found.normal_force[2] == 0
     np.testing.assert_allclose(found.force, bare.force, rtol=1e-12)
     np.testing.assert_allclose(found.normal_force, bare.normal_force, rtol=1e-12)
+
+
+@pytest.fixture
+def shear_map(monkeypatch):
+    """`benchmarks/shear_map.py`, a half-space in three dimensions."""
+    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "benchmarks")
+    import shear_map
+
+    return shear_map
+
+
+@pytest.mark.parametrize("memory", [False, True])
+def test_model_error_of_a_ball_reaches_three_dimensions(shear_map, memory):
+    scene = shear_map.drawn(np.random.default_rng(3), memory)._replace(nu=0.5)
+    found = shear_map.of_elements(scene)
+    limit = MU * found.normal_force.max()
+    truth = limit * shear_map.in_three_dimensions(scene, 20)
+    grid = 3e-3 * limit  # of 20 places across
+    assert (abs(found.force - truth) <= found.model_error + grid).all()
+    sizes = MU * found.normal_force, abs(found.force)
+    parts = zip(sizes, shear_map.BOUND, strict=True)
+    expected = np.min([part * np.maximum.accumulate(x) for x, part in parts], axis=0)
+    np.testing.assert_allclose(found.model_error, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("friction", [0.0, np.inf])
+def test_all_slip_and_all_stick_are_exact(friction):
+    found = elastic(displacement=FULL * LOOP, friction=friction, elements=100)
+    assert (found.model_error == 0).all()

@@ -88,7 +88,9 @@ UNKNOWN = {
     "slide": (lambda: slide(RUBBER, BALL), "bare line"),
     "slide, rough": (lambda: slide(RUBBER, LINE), "a rough line is no surface"),
     "drive": (lambda: drive(RUBBER, BALL), "bare line"),
-    "shear": (lambda: shear(RUBBER, BALL), "Cattaneo and Mindlin"),
+    "shear": (lambda: shear(RUBBER, BALL), "whose size changes"),
+    "shear, compressible": (lambda: shear(NEARLY, BALL), "influence each other"),
+    "shear, a cone": (lambda: shear(RUBBER, em.Cone(0.1)), "no body but a ball"),
     "traction": (lambda: traction(RUBBER, BALL), "elements side by side"),
     "traction, springs": (
         lambda: traction(
