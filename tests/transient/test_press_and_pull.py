@@ -2,6 +2,8 @@
 and its limits.
 """
 
+from pathlib import Path
+
 import jax
 import numpy as np
 import pytest
@@ -291,3 +293,32 @@ def test_springs_of_an_elastic_rubber_stick():
     k = float(law.equilibrium)
     wide = np.sqrt(2 * RADIUS * (depth + np.sqrt(2 * WORK / k)))
     np.testing.assert_allclose(found.contact_radius, wide, rtol=1e-12)
+
+
+@pytest.fixture
+def pull_off(monkeypatch):
+    """`benchmarks/pull_off.py`: boundary elements that attract each other."""
+    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "benchmarks")
+    import pull_off
+
+    return pull_off
+
+
+@pytest.mark.parametrize(("rate", "bound"), [(0.1, 0.1), (1.0, 0.15)])
+def test_bound_reaches_boundary_elements(pull_off, rate, bound):
+    """A ball that has rested is pulled off; neither an edge nor a factor is known to
+    the rings, but the range of their attraction.
+    """
+    scene = pull_off.Scene(np.array([9e6]), np.array([0.1]), 3.0, 3.5, rate, True)
+    rings, ours, _, model_error = pull_off.compared(scene, 120)
+    assert model_error == bound
+    assert rings > 1.5  # far from JKR
+    assert abs(ours / rings - 1) < bound
+
+
+def test_rings_without_memory_are_jkr(pull_off):
+    """At a Tabor number of 3 the attraction reaches a little further than an edge."""
+    scene = pull_off.Scene(np.array([1.0]), np.array([0.1]), 3.0, 3.5, 1.0, True)
+    assert np.isclose(
+        pull_off.Rings(scene, 120).pull() / pull_off.JKR, 1.033, atol=5e-3
+    )
