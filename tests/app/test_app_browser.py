@@ -260,7 +260,7 @@ def test_damaged_files(page, tmp_path):
     for screen in ("Friction", "Rubber", "Road"):
         tab(page, screen)
         drop(page, none)
-        says(page, ".alert:visible", "'none.csv' is empty")
+        says(page, ".alert:visible", "'none.csv': it is empty")
     for file in others[:2]:
         drop(page, file)
         says(page, ERROR, file.name)

@@ -74,10 +74,11 @@ def test_empty_files(tmp_path):
         ):
             said = await dropped(user, screen, ("none.csv", b""))
             assert said == (
-                "'none.csv' is empty (0 bytes): export or copy it again. Nothing has "
+                "file must be a file with content, got 'none.csv': it is empty (0 "
+                "bytes): export or copy it again. Nothing has "
                 "been changed."
             )
-        assert "'none.csv' is empty" in await dropped(
+        assert "'none.csv': it is empty" in await dropped(
             user, page.screen("Rubber"), ("a.csv", b"1"), ("none.csv", b"")
         )
         assert not page._session.rubber["data"]
@@ -345,7 +346,8 @@ async def the_road_of_a_slip_curve(page):
     page.screen("Tyre").form.set("[contact] slip", "0, 0.1")
     await page.screen("Tyre").compute()
     assert (
-        "must not be zero" in page.screen("Tyre").form.widgets["[contact] slip"].error
+        "must be other than zero"
+        in page.screen("Tyre").form.widgets["[contact] slip"].error
     )
     page.screen("Tyre").form.set("[contact] slip", "0.1")
     page._session.scenes["friction"]["heat"] = {"conductivity": "2 m"}
