@@ -40,7 +40,7 @@ ROOMS = {
 }
 # of the whole package
 FILES = 240
-UNTYPED = 161  # parameters annotated `Any`, or not at all
+UNTYPED = 148  # parameters annotated `Any`, or not at all
 MAPPINGS = 37  # `dict[str, Any]` and `Mapping[str, Any]` in signatures
 KEYWORDS = 20  # functions that take **
 LONG_TUPLES = 1  # returned tuples of more than three: that of diffrax for a solver

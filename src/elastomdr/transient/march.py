@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -35,6 +35,10 @@ from ..element.moving_body import (
 from ..progress_bar import counted
 from ..smooth.passage import Control
 
+S = TypeVar("S")  # a state
+Felt = TypeVar("Felt")  # what is needed besides to look at one
+Seen = TypeVar("Seen")
+
 # steps whose coefficients are computed at once, and between two states that are kept
 # for reverse mode
 _BLOCK = 64
@@ -44,13 +48,13 @@ _PIECE, OF_AN_ELEMENT = 2e7, 5
 
 
 def march(
-    step: Callable[[Any, Any], tuple[Any, Any]],
-    look: Callable[[Any, Any], Any],
-    start: Any,
+    step: Callable[[S, Any], tuple[S, Felt]],
+    look: Callable[[S, Felt], Seen],
+    start: S,
     steps: Any,
     is_seen: Array | None,
     prepare: Callable[[Any], Any],
-) -> tuple[Any, Any]:
+) -> tuple[S, Seen]:
     """The state after all steps, and what is seen at the end of each.
 
     `steps` is a named tuple of arrays, one entry a step; `prepare` adds to a block of
@@ -64,13 +68,13 @@ def march(
 
 
 def _on_numpy(
-    step: Callable[[Any, Any], tuple[Any, Any]],
-    look: Callable[[Any, Any], Any],
-    state: Any,
+    step: Callable[[S, Any], tuple[S, Felt]],
+    look: Callable[[S, Felt], Seen],
+    state: S,
     steps: Any,
     is_seen: Array | None,
     prepare: Callable[[Any], Any],
-) -> tuple[Any, Any]:
+) -> tuple[S, Any]:
     seen = []
     for first in range(0, steps.h.shape[0], _BLOCK):
         block = tree_map(lambda x, i=first: x[i : i + _BLOCK], steps)
@@ -82,13 +86,13 @@ def _on_numpy(
 
 
 def in_pieces(
-    piece: Callable[[Any, Any, Any], tuple[Any, Any]],
-    state: Any,
+    piece: Callable[[S, Any, Any], tuple[S, Any]],
+    state: S,
     steps: Any,
     instants: Array | None,
     size: int,
     doing: str,
-) -> tuple[Any, Any]:
+) -> tuple[S, Any]:
     """A `march` by `piece(state, steps, is_seen)`, the compiled march of some steps,
     and what is seen at the end of those at `instants`, which ascend, or of all.
 
@@ -124,13 +128,13 @@ def in_pieces(
 
 
 def _on_jax(
-    step: Callable[[Any, Any], tuple[Any, Any]],
-    look: Callable[[Any, Any], Any],
-    state: Any,
+    step: Callable[[S, Any], tuple[S, Felt]],
+    look: Callable[[S, Felt], Seen],
+    state: S,
     steps: Any,
     is_seen: Array | None,
     prepare: Callable[[Any], Any],
-) -> tuple[Any, Any]:
+) -> tuple[S, Any]:
     """The same as one `diffrax.diffeqsolve`, a block of steps a step of its solver."""
     import jax
 
@@ -144,12 +148,12 @@ def _on_jax(
     if is_seen is not None:
         marks = xp.append(is_seen, xp.zeros(filled - count, bool))
 
-    def one(state: Any, now: Any) -> tuple[Any, Any]:
+    def one(state: S, now: tuple[Any, Array]) -> tuple[S, Any]:
         state, details = step(state, now[0])
         return state, if_so(now[1], look, state, details)
 
     @jax.checkpoint
-    def block(state: Any, steps_and_seen: tuple[Any, Array]) -> tuple[Any, Any]:
+    def block(state: S, steps_and_seen: tuple[Any, Array]) -> tuple[S, Any]:
         steps, is_seen = steps_and_seen
         # what the last block is filled up with goes on with its steps
         steps = steps._replace(h=xp.where(steps.h > 0, steps.h, steps.h[0]))
@@ -159,10 +163,10 @@ def _on_jax(
         lambda x: xp.reshape(x, (-1, _BLOCK, *x.shape[1:])), (steps, marks)
     )
 
-    def left_out(state: Any, *part: Any) -> tuple[Any, Any]:
+    def left_out(state: S, *part: object) -> tuple[S, Any]:
         return state, zeros_of(lambda *x: block(*x)[1], state, *part)
 
-    def made(state: Any, part: tuple[Any, Array]) -> tuple[Any, Any]:
+    def made(state: S, part: tuple[Any, Array]) -> tuple[S, Any]:
         return jax.lax.cond(part[0].h[0] > 0, block, left_out, state, part)
 
     state, seen = in_blocks(made, state, blocks)

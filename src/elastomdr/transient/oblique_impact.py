@@ -103,7 +103,7 @@ def check_oblique(
     material: Any,
     velocity: ArrayLike | None,
     friction: ArrayLike | None,
-    inertia: Any,
+    inertia: ArrayLike | None,
     tangential: Foundation | None,
 ) -> Slips | None:
     """The oblique part's arguments, or None without one. Raises `InputError` for what

@@ -402,7 +402,7 @@ def no_cylinder(material: object) -> InputError:
     )
 
 
-def both_laws(material: object, tangential: Any) -> tuple[Foundation, Foundation]:
+def both_laws(material: object, tangential: object) -> tuple[Foundation, Foundation]:
     """E* of a material or `Foundation`, and G* of it or of what is given. Raises
     `InputError`.
     """
@@ -502,7 +502,7 @@ def _is_abrupt(before: np.ndarray, rate: np.ndarray) -> bool:
 def cut(
     line: Timeline,
     time: np.ndarray,
-    position: Any,
+    position: Array,
     value: Array,
     shortest: float,
     finer: int,
@@ -534,7 +534,7 @@ def cut(
 
 def even_steps(
     time: np.ndarray,
-    position: Any,
+    position: Array,
     value: Array,
     shortest: float,
     early: int,
