@@ -246,4 +246,5 @@ def percent(share: float) -> str:
     """A share in words."""
     if np.isnan(share):
         return "not known"
-    return f"{significant(100 * share, 2)} %" if share >= _SEEN else "below 0.1 %"
+    words = significant(100 * share, 2 if share < 1 else 3)
+    return f"{words} %" if share >= _SEEN else "below 0.1 %"
