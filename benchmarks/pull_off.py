@@ -1,7 +1,7 @@
 """Pull-off of a sticky ball from viscoelastic rubber: `em.indent(adhesion=)` against
 boundary elements whose surfaces attract each other.
 
-    python benchmarks/pull_off.py --seed 1 --scenes 60
+    python benchmarks/pull_off.py --seed 1 --scenes 30
 
 Rings of constant pressure on a half-space (exact influence, elliptic integrals), each
 with its whole memory, under the traction of Lennard-Jones between the surfaces, (8
@@ -205,8 +205,8 @@ def compared(scene: Scene, cells: int) -> tuple[float, float, float, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--scenes", type=int, default=60)
-    parser.add_argument("--cells", type=int, default=240)
+    parser.add_argument("--scenes", type=int, default=30)
+    parser.add_argument("--cells", type=int, default=160)
     given = parser.parse_args()
     record = heading(
         "Pull-off of a ball against boundary elements with Lennard-Jones attraction",

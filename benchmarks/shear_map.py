@@ -1,7 +1,7 @@
 """Stick and slip under a ball that does not roll: `em.shear` against a half-space in
 three dimensions.
 
-    python benchmarks/shear_map.py --seed 1 --scenes 60
+    python benchmarks/shear_map.py --seed 1 --scenes 40
 
 The elements of `em.shear` slip along the motion of the body only (Cattaneo, Mindlin).
 Here each place has two tractions of at most mu p, which pull against its
@@ -131,7 +131,7 @@ def compared(scene: Scene, cells: int) -> tuple[float, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--scenes", type=int, default=60)
+    parser.add_argument("--scenes", type=int, default=40)
     parser.add_argument("--cells", type=int, default=24)
     given = parser.parse_args()
     record = heading(
