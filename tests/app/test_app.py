@@ -3,6 +3,8 @@ user.
 """
 
 import asyncio
+import base64
+import html
 import io
 import re
 import shlex
@@ -16,6 +18,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.app.cards import cards
 from elastomdr.app.form import from_text, to_text
 from elastomdr.app.scene import Done, compute, toml
 from elastomdr.app.security import Folder, Guard, safe
@@ -613,7 +616,7 @@ def test_every_screen(tmp_path, undrawn):
         assert page.screen("Seal")._picture.shown
 
         user.find("Export").click()
-        await user.should_see("# elastomdr traction tyre.toml")
+        await user.should_see("# elastomdr traction tyre-dma.toml")
         await user.should_see("# elastomdr compare compare.toml")
         user.find("Tyre (.tir)").click()
         assert b"PDX1" in (await user.download.next(timeout=60)).content
@@ -625,7 +628,7 @@ def test_every_screen(tmp_path, undrawn):
         archive = zipfile.ZipFile(
             io.BytesIO((await user.download.next(timeout=60)).content)
         )
-        assert {"friction.toml", "dma.toml", "road.csv", "friction.csv"} <= set(
+        assert {"friction-dma.toml", "dma.toml", "road.csv", "friction.csv"} <= set(
             archive.namelist()
         )
         archive.extractall(tmp_path / "taken")
@@ -633,7 +636,7 @@ def test_every_screen(tmp_path, undrawn):
             main(
                 [
                     "friction",
-                    str(tmp_path / "taken/friction.toml"),
+                    str(tmp_path / "taken/friction-dma.toml"),
                     "--out",
                     str(tmp_path / "taken"),
                 ]
@@ -641,7 +644,7 @@ def test_every_screen(tmp_path, undrawn):
             == 0
         )
         written = (
-            (tmp_path / "taken/friction-friction.csv")
+            (tmp_path / "taken/friction-dma-friction.csv")
             .read_text(encoding="utf-8")
             .splitlines()
         )
@@ -662,6 +665,60 @@ def test_every_screen(tmp_path, undrawn):
             again.screen("Friction").form.widgets["[contact] pressure"].value
             == "0.1 MPa, 0.3 MPa"
         )
+
+    simulated(tmp_path, act)
+
+
+def test_what_can_be_taken_away(tmp_path):
+    """Files of the rubber, the friction law and the report have the numbers of what
+    they are of.
+    """
+
+    async def act(user, page, opened):
+        session, export = page._session, page.screen("Export")
+        await page.screen("Rubber")._sample()
+        (fitted,) = session.fits.values()
+        road, contact = scene()["surface"], {"pressure": "0.3 MPa", "velocity": SPAN}
+        session.scenes["friction"] |= {"surface": road, "contact": contact}
+        await page.screen("Friction").compute()
+        result = session.done["friction"].result
+        friction, rubber = export._taken()
+        place = tmp_path / "taken"
+        place.mkdir()
+
+        def saved(taken, label):
+            name, make = taken.files[label]
+            (place / name).write_bytes(make())
+            return place / name
+
+        again = em.load_material(saved(rubber, "Material (TOML)"))
+        np.testing.assert_array_equal(again.moduli, fitted.fit.material.moduli)
+        shifts = em.read_shifts(saved(rubber, "Shift table"))
+        known = shifts.log10_a(fitted.fit.master.temperature)
+        np.testing.assert_allclose(known, fitted.fit.master.log10_a, atol=1e-9)
+        for label, keyword in (("Abaqus", "*VISCOELASTIC"), ("Ansys", "TB,PRONY")):
+            assert keyword in saved(rubber, label).read_text()
+        law = em.load_friction(saved(friction, "Friction law (CSV)"))
+        np.testing.assert_array_equal(law.mu, result.law().mu)
+        assert "*FRICTION" in saved(friction, "Abaqus friction").read_text()
+        assert (
+            "subroutine fric_coef"
+            in saved(friction, "Abaqus FRIC_COEF").read_text().lower()
+        )
+        assert "double mu_1" in saved(friction, "Modelica").read_text()
+        page_of_it = saved(friction, "Report (HTML)")
+        assert page_of_it.name == "friction-dma.html"
+        text = html.unescape(page_of_it.read_text(encoding="utf-8"))
+        image = re.search(r'base64,([^"]+)"', text)
+        assert b"</svg>" in base64.b64decode(image[1])
+        for card in cards(
+            session.done["friction"].shown, session.done["friction"].parts
+        ):
+            assert card.number in text
+        for doubt in result.doubts:
+            assert spoken(doubt.says) in text
+        assert em.cite(result) in text
+        assert friction.text in text
 
     simulated(tmp_path, act)
 

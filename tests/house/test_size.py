@@ -24,7 +24,7 @@ ROOMS = {
     "results": 40,
     "io": 37,
     "surface": 31,
-    "app": 29,
+    "app": 30,
     "cli": 28,
     "material": 20,
     "sweeps": 16,

@@ -373,6 +373,7 @@ class ComputedStage:
             return
         except CancelledError:
             return
+        self._session.calibrated = found
         scene = self._session.scenes["friction"]
         scene |= {key: found.content[key] for key in ("surface", "adhesion")}
         self._draw_form()

@@ -2,32 +2,72 @@
 out what has been computed; and the pages of the documentation, in a dialog.
 """
 
+import base64
 import copy
 import re
 import tempfile
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
+from datetime import date
 from functools import cache, partial
+from html import escape
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, TypeAlias
 
 from nicegui import ui
+
+import elastomdr as em
 
 from ..cli.kinds import toml
 from ..cli.schema import Content
 from ..errors import InputError
-from .cards import Cards
+from .cards import Cards, cards
 from .chart import Drawn
 from .computed import ComputedStage
 from .road import RoadStage
-from .rubber import RubberStage
-from .scene import CancelledError, Done, bundle, compute, files_of
+from .rubber import Fitted, RubberStage
+from .scene import (
+    CancelledError,
+    Done,
+    bundle,
+    compute,
+    files_of,
+    written,
+    zipped,
+)
 from .screens import COMPARE, FRICTION, ROLLING, SEAL, TYRE
-from .security import Folder
+from .security import Folder, safe
 from .session import COMPUTING, DRAWING, Session, Sessions
 from .stage import BUTTON, DOCS, Busy, Picture, worked
-from .words import in_words
+from .words import in_words, spoken
 
-_KINDS = {"CSV": "csv", "Excel": "xlsx", "PNG": "png", "SVG": "svg", "All (zip)": "zip"}
+_IMAGES = {"PNG": "png", "SVG": "svg"}
+# what programs read of a friction law, by its form, and of a fit, by its file's name
+_LAWS = {
+    "Friction law (CSV)": ("csv", "csv"),
+    "Abaqus friction": ("abaqus", "inp"),
+    "Abaqus FRIC_COEF": ("fric_coef", "f"),
+    "Modelica": ("modelica", "txt"),
+}
+_FIT = {
+    "Material (TOML)": ".toml",
+    "Master curve": "-master.csv",
+    "Shift table": "-shifts.csv",
+    "Prony series": "-prony.csv",
+    "Abaqus": "-abaqus.inp",
+    "Ansys": "-ansys.mac",
+}
+Files: TypeAlias = dict[str, tuple[str, Callable[[], bytes]]]
+
+
+class Taken(NamedTuple):
+    """What can be taken away of a result: by the words of a button, a file's name and
+    what makes it.
+    """
+
+    title: str
+    about: str
+    files: Files
+    text: str
 
 
 class ExportStage:
@@ -43,76 +83,132 @@ class ExportStage:
         """Shows what has been computed up to now."""
         self._place.clear()
         with self._place:
-            if not self._session.done:
+            taken = [*self._taken()]
+            if not taken:
                 ui.label(
-                    "Nothing has been computed yet: compute friction, a comparison, "
-                    "rolling, a slip curve of a tyre or a seal first."
+                    "Nothing has been computed yet: fit a rubber, or compute friction, "
+                    "a comparison, rolling, a slip curve of a tyre or a seal first."
                 )
-            for stem, computation in self._session.done.items():
-                self._card(stem, computation)
+            for each in taken:
+                self._card(each)
 
-    def _card(self, stem: str, computation: Done) -> None:
-        notes = self._notes(computation)
-        scene_toml = toml(computation.verb, computation.content, stem, notes)
-        beside = files_of(computation.content)
-        with ui.element("section").classes("card"):
-            ui.label(stem.capitalize()).classes("lead").props(
-                "role=heading aria-level=2"
+    def _taken(self) -> Iterator[Taken]:
+        for key, done in self._session.done.items():
+            yield self._of_result(key, done)
+        if (found := self._session.calibrated) is not None:
+            files: Files = {
+                name: (name, partial(written, write, name))
+                for name, write in found.files.items()
+            }
+            text = "\n".join(f"{name}: {said}" for name, said in found.lines())
+            about = "Material and surface that give the measured friction."
+            yield Taken("Calibration", about, files, spoken(text))
+        for fitted in reversed(self._session.fits.values()):
+            yield _of_fit(fitted)
+
+    def _of_result(self, key: str, done: Done) -> Taken:
+        rubber, beside = done.content.get("material"), files_of(done.content)
+        called = f"-{rubber.removesuffix('.toml')}" if isinstance(rubber, str) else ""
+        stem = safe(f"{key}{called}")
+        made = (self._session.notes.get(name) for name in beside)
+        notes = tuple(f"material: {command}" for command in made if command)
+        scene = toml(done.verb, done.content, stem, notes)
+        files: Files = {
+            "Scene (TOML)": (f"{stem}.toml", scene.encode),
+            "Report (HTML)": (f"{stem}.html", partial(report, stem, done, scene)),
+            "CSV": (f"{stem}.csv", done.csv),
+            "Excel": (f"{stem}.xlsx", done.excel),
+        }
+        for label, kind in _IMAGES.items():
+            files[label] = f"{stem}.{kind}", partial(_image, done, kind)
+        if done.verb == "traction":
+            files["Tyre (.tir)"] = f"{stem}.tir", done.tir
+        if done.verb == "friction":
+            for label, (form, ending) in _LAWS.items():
+                files[label] = f"{stem}-law.{ending}", partial(done.law, form)
+        zipped_all = partial(bundle, done, self._session.folder, stem, notes)
+        files["All (zip)"] = f"{stem}.zip", zipped_all
+        about = "The scene file gives the same numbers again, without this page."
+        if beside:
+            about += (
+                f" It reads, beside it: {', '.join(beside)}. The zip archive has them."
             )
-            ui.label(
-                "The scene file gives the same numbers again, without this page."
-            ).classes("about")
-            if beside:
-                ui.label(
-                    f"It reads, beside it: {', '.join(beside)}. The zip archive has "
-                    "them."
-                ).classes("about")
+        return Taken(key.capitalize(), about, files, scene)
+
+    def _card(self, taken: Taken) -> None:
+        with ui.element("section").classes("card"):
+            ui.label(taken.title).classes("lead").props("role=heading aria-level=2")
+            ui.label(taken.about).classes("about")
             with ui.element("div").classes("buttons"):
-                scene = scene_toml.encode()
-                ui.button(
-                    "Scene (TOML)",
-                    on_click=lambda: ui.download.content(scene, f"{stem}.toml"),
-                ).props(BUTTON)
-                tyre = {"Tyre (.tir)": "tir"} if computation.verb == "traction" else {}
-                for label, ending in (_KINDS | tyre).items():
-                    ui.button(
-                        label, on_click=partial(self._give, stem, computation, ending)
-                    ).props(f"{BUTTON} outline")
-            ui.label(scene_toml).classes("words").props("tabindex=0")
+                for label, (name, make) in taken.files.items():
+                    first = " outline" * (label != next(iter(taken.files)))
+                    ui.button(label, on_click=partial(self._give, name, make)).props(
+                        BUTTON + first
+                    )
+            ui.label(taken.text).classes("words").props("tabindex=0")
 
-    def _notes(self, computation: Done) -> tuple[str, ...]:
-        made = (self._session.notes.get(name) for name in files_of(computation.content))
-        return tuple(f"material: {command}" for command in made if command)
-
-    async def _give(self, stem: str, computation: Done, ending: str) -> None:
+    async def _give(self, name: str, make: Callable[[], bytes]) -> None:
         if self._busy.on:
             return
+        kind = name.rpartition(".")[2]
         try:
-            content = await self._busy.during(
-                DRAWING, self._made, stem, computation, ending, kind=ending
-            )
+            content = await self._busy.during(DRAWING, make, kind=kind)
         except InputError as error:
             ui.notify(in_words(error), type="negative")
             return
         except CancelledError:
             return
-        name = (
-            f"{stem}.zip" if ending == "zip" else f"{stem}-{computation.verb}.{ending}"
-        )
         ui.download.content(content, name)
 
-    def _made(self, stem: str, computation: Done, ending: str) -> Any:
-        if ending in ("png", "svg"):
-            return computation.figure().saved(ending)
-        if ending == "zip":
-            return bundle(
-                computation, self._session.folder, stem, self._notes(computation)
-            )
-        return {
-            "csv": computation.csv,
-            "tir": computation.tir,
-            "xlsx": computation.excel,
-        }[ending]()
+
+def _image(done: Done, kind: str) -> bytes:
+    return done.figure().saved(kind)
+
+
+def _of_fit(fitted: Fitted) -> Taken:
+    """A fitted rubber, its tables, and cards for other programs."""
+    stem = fitted.name.removesuffix(".toml")
+    files: Files = {
+        label: (stem + end, lambda name=stem + end: fitted.fit.files()[name])
+        for label, end in _FIT.items()
+    }
+    files["All (zip)"] = f"{stem}.zip", lambda: zipped(fitted.fit.files())
+    return Taken(f"Rubber {stem}", fitted.command, files, spoken(fitted.summary))
+
+
+def report(stem: str, done: Done, scene: str) -> bytes:
+    """A page of a result for people, in one file: its numbers with how sure they are,
+    its figure, its doubts, what it was computed of, and what to cite.
+    """
+    image = base64.b64encode(done.figure().saved("svg")).decode()
+    said = [*done.warnings, *(f"{d.kind}: {d.words()}" for d in done.curve.doubts)]
+    numbers = "".join(
+        f"<dt>{_html(card.title)}</dt><dd><b>{_html(card.number)}</b> "
+        f"{'<br>'.join(map(_html, card.notes))}</dd>"
+        for card in cards(done.shown, done.parts)
+    )
+    parts = {
+        "Numbers": f"<dl>{numbers}</dl>",
+        "Figure": f'<img alt="figure" src="data:image/svg+xml;base64,{image}">',
+        "Doubts": f"<ul>{''.join(f'<li>{_html(each)}</li>' for each in said)}</ul>",
+        "Summary": f"<pre>{_html(done.result.summary())}</pre>",
+        "Computed of": f"<pre>{escape(scene)}</pre>",
+        "To cite": f"<pre>{escape(em.cite(done.curve))}</pre>",
+    }
+    body = "".join(f"<h2>{title}</h2>{part}" for title, part in parts.items())
+    head = f'<meta charset="utf-8"><title>{escape(stem)}</title>'
+    style = (
+        "<style>body{font-family:sans-serif;max-width:60em}pre{overflow:auto}</style>"
+    )
+    return (
+        f'<!doctype html><html lang="en"><head>{head}{style}</style></head><body>'
+        f"<h1>{escape(stem)}</h1><p>{date.today()}, elastomdr {em.__version__}</p>"
+        f"{body}</body></html>"
+    ).encode()
+
+
+def _html(words: str) -> str:
+    return escape(spoken(words))
 
 
 _HERE = Path(__file__).parent
@@ -234,6 +330,7 @@ class Page:
         ]
         for stage in self._computing():
             stage.refresh()
+        self._computed()
 
     def _on_road(self, error: InputError) -> bool:
         """Shows what is wrong with the road where the road is filled in."""

@@ -10,7 +10,7 @@ import json
 import math
 import tempfile
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
@@ -103,18 +103,24 @@ class Done:
 
     def csv(self) -> bytes:
         """The table, as the command line writes it."""
-        return _written(self.result.to_csv, "table.csv")
+        return written(self.result.to_csv, "table.csv")
 
     def excel(self) -> bytes:
         """All that was computed as a workbook. Raises `InputError` without openpyxl."""
-        return _written(self.curve.to_excel, "table.xlsx")
+        return written(self.curve.to_excel, "table.xlsx")
+
+    def law(self, form: str) -> bytes:
+        """Friction over velocity, temperature and pressure for another program, in a
+        form of `em.FrictionLaw`. Raises `InputError`.
+        """
+        return written(getattr(self.result.law(), f"to_{form}"), "law")
 
     def tir(self) -> bytes:
         """The Magic Formula of a slip curve as a property file. Raises `InputError`
         where it has none.
         """
         wheel = decoded(self.verb, self.content).indenter  # type: ignore[attr-defined]
-        return _written(
+        return written(
             partial(self.result.to_tir, radius=wheel.radius, width=wheel.length),
             "tyre.tir",
         )
@@ -124,22 +130,23 @@ def bundle(
     computation: Done, folder: Folder, stem: str, notes: tuple[str, ...] = ()
 ) -> bytes:
     """A zip archive of the scene, the files it names, its table and its figure."""
+    scene, figure = computation.content, computation.figure()
+    files = {f"{stem}.toml": toml(computation.verb, scene, stem, notes).encode()}
+    for name in files_of(scene):
+        here = computation.made.get(name)
+        files[name] = (folder.path / name).read_bytes() if here is None else here
+    files[f"out/{stem}-{computation.verb}.csv"] = computation.csv()
+    for kind in ("png", "svg"):
+        files[f"out/{stem}-{computation.verb}.{kind}"] = figure.saved(kind)
+    return zipped(files)
+
+
+def zipped(files: Mapping[str, bytes]) -> bytes:
+    """A zip archive of files by their names."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr(
-            f"{stem}.toml", toml(computation.verb, computation.content, stem, notes)
-        )
-        for name in files_of(computation.content):
-            if name in computation.made:
-                archive.writestr(name, computation.made[name])
-            else:
-                archive.write(folder.path / name, name)
-        archive.writestr(f"out/{stem}-{computation.verb}.csv", computation.csv())
-        figure = computation.figure()
-        for kind in ("png", "svg"):
-            archive.writestr(
-                f"out/{stem}-{computation.verb}.{kind}", figure.saved(kind)
-            )
+        for name, content in files.items():
+            archive.writestr(name, content)
     return buffer.getvalue()
 
 
@@ -205,7 +212,7 @@ def _within(law: object) -> Iterator[None]:
         raise
 
 
-def _written(write: Callable[[Path], None], name: str) -> bytes:
+def written(write: Callable[[Path], object], name: str) -> bytes:
     """What a function writes into a file."""
     with tempfile.TemporaryDirectory() as place:
         path = Path(place) / name

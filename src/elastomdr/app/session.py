@@ -10,6 +10,7 @@ from pathlib import Path
 
 from nicegui import Client
 
+from ..cli.fit import Calibrated
 from ..cli.schema import Content
 from ..errors import InputError
 from .scene import Done
@@ -35,6 +36,7 @@ class Session:
     question: InputError | None = None  # what a fit needs to know
     # by the name of the material's file
     fits: Content = field(default_factory=dict)
+    calibrated: Calibrated | None = None
     # material's file to the command that makes it
     notes: dict[str, str] = field(default_factory=dict)
     place: str = ""  # the screen that is shown, "" for the first one
