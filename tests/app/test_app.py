@@ -24,6 +24,7 @@ from elastomdr.app.scene import Done, compute, toml
 from elastomdr.app.security import Folder, Guard, safe
 from elastomdr.app.words import spoken
 from elastomdr.cli.bodies import Measured
+from elastomdr.cli.fit import Fit
 from elastomdr.cli.kinds import decoded
 from elastomdr.cli.main import main
 from elastomdr.cli.schema import keys_of
@@ -137,8 +138,20 @@ def test_texts_of_fields():
         "0 degC",
         "20 degC",
     ]
-    # one text, for the scene to refuse
-    assert typed(SurfaceFrictionScene, "temperature", "10,5 degC") == "10,5 degC"
+    # a decimal comma, of which the scene must not see another meaning
+    assert typed(SurfaceFrictionScene, "temperature", "10,5 degC") == "10.5 degC"
+    assert typed(SurfaceContact, "pressure", "0,1, 0,3; 1,5e3 Pa") == [
+        "0.1 Pa",
+        "0.3 Pa",
+        "1.5e3 Pa",
+    ]
+    assert typed(SurfaceContact, "gamma", "0,5") == 0.5
+    assert typed(Fit, "column", "storage=4,5") == "storage=4,5"
+    for refused in ("1,250 N", "1,2,3 N", "1,250.5 N"):
+        assert typed(SurfaceContact, "load", refused) == refused
+    span = {"from": "0.5 m/s", "to": "1.5 m/s", "points": 24}
+    assert typed(SurfaceContact, "velocity", "0,5 to 1,5 m/s") == span
+    assert typed(SurfaceContact, "velocity", "0.5 to 1.5 m/s,24 points") == span
     assert typed(SurfaceContact, "seeds", "1, 2") == [1, 2]
     assert typed(SurfaceContact, "gamma", "0.5") == 0.5
     assert typed(SurfaceContact, "gamma", "a half") == "a half"

@@ -276,6 +276,27 @@ def test_damaged_files(page, tmp_path):
         assert not page.locator(PICTURE).count()
 
 
+def test_back_is_the_screen_before(page):
+    """And an error is scrolled to, with the focus in its field."""
+    shown = "[role=tab][aria-selected=true]"
+    tab(page, "Rubber")
+    tab(page, "Rolling")
+    field = page.get_by_label("Load F [N]").locator("visible=true").first
+    field.fill("3 smoots")
+    page.evaluate("scrollTo(0, 1e5)")
+    field.press("Enter")
+    says(page, ERROR, "smoots")
+    page.wait_for_function(
+        "() => { const e = document.activeElement, y = e.getBoundingClientRect().top;"
+        " return e.value == '3 smoots' && y > 0 && y < innerHeight; }"
+    )
+    for before in ("Rubber", "Start"):
+        page.go_back()
+        says(page, shown, before)
+    page.go_forward()
+    says(page, shown, "Rubber")
+
+
 def test_two_tabs(page):
     """They know nothing of each other; one that is loaded again is as it was."""
     with page.context.expect_page() as opened:

@@ -104,6 +104,35 @@ def errors(form):
     return {name: message for name, message in said.items() if message}
 
 
+def test_an_error_leads_to_the_screen_of_its_field(tmp_path):
+    """What the screen Compare takes of the screen Friction is filled in there; all that
+    is folded over a field opens.
+    """
+
+    async def act(user, page, opened):
+        contact = page._session.scenes["friction"]["contact"]
+        compare, friction = page.screen("Compare"), page.screen("Friction")
+        friction.form.set("[contact] pressure", "0.3 smoots")
+        page._go("Compare")
+        await compare.compute()
+        assert page._tabs.value == "Friction"
+        assert list(errors(friction.form)) == ["[contact] pressure"]
+        friction.form.set("[contact] pressure", "0.3 MPa")
+        assert contact["pressure"] == "0.3 MPa"
+        page._go("Compare")
+        compare.form.set("[compare] velocity", "1 smoot")
+        await compare.compute()
+        assert page._tabs.value == "Compare"
+        assert list(errors(compare.form)) == ["[compare] velocity"]
+        hidden = {name for name, folds in friction.form._folded.items() if folds}
+        assert "[contact] gamma" in hidden
+        wrong = em.InputError(argument="[contact] gamma", accepted="0 to 1")
+        friction.form.show_error(wrong)
+        assert all(fold.value for fold in friction.form._folded["[contact] gamma"])
+
+    simulated(tmp_path, act)
+
+
 ALL = ("Friction", "Compare", "Rolling", "Tyre", "Seal")
 
 

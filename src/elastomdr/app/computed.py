@@ -349,9 +349,9 @@ class ComputedStage:
             self._button.enable()
 
     def _refuse(self, error: InputError) -> None:
-        """Says what is wrong beside its field, here or on the screen of the road."""
-        of_road = error.argument.startswith("[surface]")
-        here = "[surface] shape" in self.form.widgets or not of_road
+        """Says what is wrong beside its field, here or on the screen that lends it."""
+        borrows = self._key in ("friction", "compare", "traction")
+        here = self.form.field(error.argument) or not borrows
         if here or not self._elsewhere(error):
             self.form.show_error(error)
 

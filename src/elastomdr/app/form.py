@@ -59,7 +59,7 @@ class TableForm:
         self.choices, self.changed = dict(choices or {}), changed
         self._called = {"keydown.enter": entered, "blur": left}
         self.widgets: dict[str, Any] = {}
-        self._folded: dict[str, ui.expansion] = {}  # field to what hides it
+        self._folded: dict[str, list[ui.expansion]] = {}  # field to what hides it
         self._place = ui.element("div").classes("form")
         self._alert = ui.label().classes("alert").props("role=alert")
         self._alert.visible = False
@@ -89,19 +89,20 @@ class TableForm:
         empty where there is none here.
         """
         self.clear_errors()
-        name = self._field(error.argument)
+        name = self.field(error.argument)
         message = words.in_words(error, name)
-        if not hasattr(self.widgets.get(name), "error"):
-            self._alert.text = message
-            self._alert.visible = True
-            return name
-        _mark(self.widgets[name], message)
-        if (fold := self._folded.get(name)) is not None:
+        shown: Any = self.widgets.get(name)
+        for fold in self._folded.get(name, ()):
             fold.open()
-        self.widgets[name].run_method("focus")
+        if hasattr(shown, "error"):
+            _mark(shown, message)
+            shown.run_method("focus")
+        else:
+            shown, self._alert.text, self._alert.visible = self._alert, message, True
+        shown.client.run_javascript(f"elastomdr.look({shown.id})")
         return name
 
-    def _field(self, argument: str) -> str:
+    def field(self, argument: str) -> str:
         """The field of an argument, or of one of its entries."""
         ends = f"{argument}["
         return next((n for n in self.widgets if ends.startswith(f"{n}[")), "")
@@ -134,7 +135,7 @@ class TableForm:
             for key in rest:
                 self._key(key, path, content)
         for name in self.widgets.keys() - before:
-            self._folded.setdefault(name, fold)
+            self._folded.setdefault(name, []).append(fold)
 
     def _key(self, key: Key, path: tuple[str, ...], content: Content) -> None:
         path = (*path, key.name)

@@ -70,7 +70,14 @@ window.elastomdr = (() => {
     addEventListener("mouseup", release);
   }
 
-  return { ready };
+  // Scrolls to what is wrong, once it is there
+  const look = (id) => setTimeout(() => getHtmlElement(id)?.scrollIntoView({ block: "center" }), 300);
+
+  // Each screen is a step of the browser's history
+  const at = (screen) => history.state?.screen === screen || history.pushState({ screen }, "");
+  addEventListener("popstate", ({ state }) => state?.screen && emitEvent("screen", state.screen));
+
+  return { ready, look, at };
 })();
 
 // Quasar's loading bar has no name, and it has the field of an uploader within a button, which screen readers cannot tell; the field alone is one

@@ -231,7 +231,8 @@ def page(sessions: Sessions) -> "Page":
     script = _HERE.joinpath("page.js").read_text(encoding="utf-8")
     ui.add_head_html(f"<script>{script}</script>")
     ui.colors(primary="#1f5a94")
-    ui.run_javascript(f"history.replaceState(null, '', '?session={session.name}')")
+    state = f"{{screen: '{session.place or 'Start'}'}}"
+    ui.run_javascript(f"history.replaceState({state}, '', '?session={session.name}')")
     return Page(session)
 
 
@@ -248,7 +249,7 @@ class Page:
             "Road": lambda: RoadStage(session),
             **{
                 name: partial(
-                    ComputedStage, session, screen, self._computed, self._on_road
+                    ComputedStage, session, screen, self._computed, self._elsewhere
                 )
                 for name, screen in _COMPUTED.items()
             },
@@ -274,6 +275,7 @@ class Page:
             self._panels = {name: ui.tab_panel(name) for name in self._makers}
         self.screen(place)
         self._tabs.on_value_change(self._look)
+        ui.on("screen", lambda event: self._go(str(event.args)))
 
     def screen(self, name: str) -> Any:
         """A screen, made if it has not been shown yet."""
@@ -308,6 +310,7 @@ class Page:
 
     async def _look(self) -> None:
         name = self._session.place = str(self._tabs.value)
+        self._tabs.client.run_javascript(f"elastomdr.at('{name}')")
         stage = self.screen(name)
         if name == "Road":
             await stage.look_again()
@@ -332,12 +335,17 @@ class Page:
             stage.refresh()
         self._computed()
 
-    def _on_road(self, error: InputError) -> bool:
-        """Shows what is wrong with the road where the road is filled in."""
-        marked_field = self.screen("Road").form.show_error(error)
-        if marked_field:
-            self._tabs.value = "Road"
-        return bool(marked_field)
+    def _elsewhere(self, error: InputError) -> bool:
+        """Shows what is wrong with the road, or with what other screens take of that of
+        friction, where it is filled in.
+        """
+        for name in ("Road", "Friction"):
+            form = self.screen(name).form
+            if form.field(error.argument):
+                self._tabs.value = name
+                form.show_error(error)
+                return True
+        return False
 
     def _computed(self) -> None:
         if "Export" in self._made:

@@ -7,7 +7,14 @@ from typing import Any
 
 from .schema import Key
 
-_SPAN = re.compile(r"(.+?)\s+to\s+(.+?)\s*[,;]\s*(\d+)(?:\s*points?)?", re.IGNORECASE)
+_SPAN = re.compile(
+    r"(.+?)\s+to\s+(.+?)(?:\s*[,;]\s*(\d+)(?:\s*points?)?)?", re.IGNORECASE
+)
+_POINTS = 24  # of a span that does not say how many
+# "0,5" is 0.5; "1,250" may be either, and "1,2,3" is a list: both are left to the scene
+_COMMA = re.compile(
+    r"(?<![\d.,])(?![1-9]\d{0,2},\d{3}(?!\d))(\d+),(?=\d+(?![\d.]|,\d|\s*point))"
+)
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 # The number is taken whole (possessive): "0.3" is no 0 with the unit ".3".
 _UNIT = re.compile(rf"(?>{_NUMBER.pattern})\s*((?:1/)?[^\d\s].*)")
@@ -29,7 +36,8 @@ def to_text(value: Any) -> str:
 
 def from_text(key: Key, typed: str, unit: str = "") -> Any:
     """The value of a scene file that a text stands for; None where the key is left out.
-    Numbers without a unit have the field's `unit`, where it has one.
+    Numbers without a unit have the field's `unit`, where it has one, and may have a
+    decimal comma.
 
     What is no value of the kind is returned as it is, so that the scene's own message
     says what is accepted.
@@ -37,9 +45,11 @@ def from_text(key: Key, typed: str, unit: str = "") -> Any:
     typed = typed.strip()
     if not typed:
         return None
+    if key.numeric or key.quantity or unit:
+        typed = _COMMA.sub(r"\1.", typed)
     if key.spread and (match := _SPAN.fullmatch(typed)) is not None:
         first, last = _with_unit([match[1], match[2]], unit)
-        return {"from": first, "to": last, "points": int(match[3])}
+        return {"from": first, "to": last, "points": int(match[3] or _POINTS)}
     values: list[Any] = [typed]
     if key.several:
         entries = map(str.strip, re.split(r";|,\s+", typed))
