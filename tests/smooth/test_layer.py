@@ -9,6 +9,7 @@ import elastomdr as em
 
 from ..refused import refused, warned
 from .cylinder_on_cells import cylinder_on_cells
+from .roller_on_cells import of_bound
 
 THREE = ([0.8e6, 0.4e6, 0.2e6], [1e-4, 1e-3, 1e-2])
 
@@ -212,7 +213,46 @@ def test_springs_say_how_far_they_are():
             em.springs(solid, 0.006), em.Sphere(0.05), velocity=1.0, load=10.0
         ).model_error
     )
-    assert np.isnan(exact.model_error).all()
+
+
+@pytest.mark.parametrize(
+    ("layer", "velocity", "line"),
+    [
+        (em.layer(rubber(), 6e-3), 1.0, 1e3),
+        (em.layer(rubber(), 6e-3), 10.0, 5e4),
+        (em.layer(rubber(poisson=0.45), 6e-3), 1.0, 2e4),
+        (em.layer(rubber(), 6e-3, bonded=False), 1.0, 1e3),
+        (em.layer(em.Prony(1e6, [1e8], [1e-3]), 6e-3), 5.0, 2e5),
+    ],
+)
+def test_ends_of_a_roller_lie_within_their_bound(layer, velocity, line):
+    """Against cells in three dimensions, for a short and a longer roller; the bound is
+    not many times too wide.
+    """
+    shares = []
+    for length in (0.12, 0.3):
+        fine, coarse, bound = of_bound(layer, 0.08, velocity, line, length, 40)
+        assert abs(fine) + abs(fine - coarse) < bound
+        shares.append(abs(fine) / bound)
+    assert max(shares) > 0.03
+
+
+def test_where_the_ends_of_a_roller_are_not_known():
+    solid, roller = rubber(), em.Cylinder(0.08, 0.2)
+    soft = em.Softening([1e-3, 0.1], [1.0, 0.5], [1.0, 0.6])
+
+    def known(layer, load, **more):
+        run = {"velocity": 1.0, "load": load, **more}
+        return np.isfinite(em.rolling(layer, roller, **run).model_error)
+
+    layer = em.layer(solid, 6e-3)
+    assert known(layer, 200.0)
+    assert not known(layer, None, depth=5e-4)
+    assert not known(em.layer(solid, 0.3), 200.0)  # all but a half-space
+    assert not known(em.layer(solid, 6e-3, other=layer), 200.0)
+    assert not known(em.layer(rubber(bulk=2e9), 6e-3), 200.0)
+    assert not known(em.layer(rubber(softening=soft), 6e-3), 200.0)
+    assert not known(solid, 200.0)
 
 
 def test_kelvin_voigt_on_a_half_space():

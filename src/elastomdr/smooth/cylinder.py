@@ -90,6 +90,9 @@ _NEGATIVE = 1e-3
 # half-length over thickness, as guessed, that is tried: time and memory grow with it
 _WIDEST = 60.0
 _ENDS = 4.0  # length over half-width below which a cylinder is no longer plane
+# The bound on what the ends change, as a share of mu: thicknesses that count beside the
+# half-width, the largest share, and half-widths over thickness, for which it was found.
+_AROUND, _MOST, _CELLS = 0.25, 0.25, (0.1, 6.0)
 _TYPICAL = 1.5  # kL of the wave that stands for a contact where its size is estimated
 # how many times longer than its passage over a thickness a liquid is remembered
 _FLOWING = 1e8
@@ -143,7 +146,7 @@ def cylinder_on_layer(call: SmoothCall) -> OnLayer:
     solution = Solved(
         contacts.mu,
         contacts.error,
-        contacts.mu * np.nan,
+        _left_out(contacts, scene),
         contacts.load * shape.length,
         contacts.depth,
         contacts.leading,
@@ -585,6 +588,21 @@ def _not_too_deep(layer: Layer, points: SteadyScene) -> None:
             f"below {thick:.4g} m, the thickness of the layer",
             lambda d: d < thick,
         )
+
+
+def _left_out(contacts: _Contacts, scene: _CylinderScene) -> Array:
+    """How much the ends of the cylinder change mu at most under a given load, on a
+    layer that goes on beyond them: (3a/2 + 3h/8)/L of it, above what cells in three
+    dimensions give (`docs/accuracy.md`); NaN where none were computed.
+    """
+    body, share = scene.body, contacts.mu * np.nan
+    linear = body.softening is None and scene.plan.control == "load"
+    if isinstance(body, Layer) and body.other is None and body.constant and linear:
+        half, h = 0.5 * (contacts.leading - contacts.trailing), body.thickness
+        share = 1.5 * (half + _AROUND * h) / scene.shape.length
+        told = (half > _CELLS[0] * h) & (half < _CELLS[1] * h) & (share < _MOST)
+        share = xp.where(told, share, np.nan)
+    return share * xp.abs(contacts.mu)
 
 
 def _say(
