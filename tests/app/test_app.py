@@ -428,6 +428,46 @@ def test_strain_and_ramp_are_those_of_the_command(tmp_path, monkeypatch):
         )
 
 
+def test_strain_sweeps_soften_the_rubber(tmp_path, monkeypatch):
+    """Of the page and of the command; strains of tension count as those of shear, and
+    the loss tangents are those of the material.
+    """
+    from elastomdr.app.rubber import calculate
+    from elastomdr.app.session import Session
+
+    session = Session("one", Folder(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(em.fit.figures, "figures", lambda *_: {})
+    strain = np.geomspace(1e-4, 0.3, 12)
+    x = (strain / 0.02) ** 0.6
+    moduli = 1 + 1 / (1 + x**2), 0.2 * (1 + x / (1 + x**2))
+    rows = np.transpose([100 * strain, *moduli])
+    for letter, factor in (("G", 1.0), ("E", 3**0.5)):
+        title = f"T [degC],f [Hz],strain [%],{letter}' [MPa],{letter}'' [MPa]\n"
+        text = title + "".join(f"20,10,{a},{b},{c}\n" for a, b, c in rows)
+        content = {
+            "data": [session.folder.keep("dma.csv", (SAMPLE / "dma.csv").read_bytes())],
+            "softening": session.folder.keep(f"{letter}.csv", text.encode()),
+        }
+        fitted = calculate(content, session)
+        assert main([*shlex.split(fitted.command)[1:], "--out", "out"]) == 0
+        material = em.load_material("out/dma.toml")
+        want = em.fit.softening(
+            {"strain": factor * strain, "storage": moduli[0], "loss": moduli[1]}
+        )
+        for made in (fitted.fit.material.softening, material.softening):
+            np.testing.assert_allclose(made.strain, want.strain, rtol=1e-5)
+            np.testing.assert_allclose(made.storage, want.storage, rtol=1e-5)
+    said = dict(fitted.fit.findings())
+    for celsius in (0, 60):
+        tangent = material.at(celsius + 273.15).loss_tangent(20 * np.pi)
+        assert f"{tangent:.3g} at {celsius} degC" in said["loss tangent"]
+    assert "extrapolated" not in said["loss tangent"]
+    with pytest.raises(em.InputError) as caught:
+        calculate(content | {"softening": "dma.csv"}, session)
+    assert caught.value.places[0][0] == "softening"
+
+
 def test_advice_in_the_words_of_the_fields():
     from elastomdr.errors import advise
     from elastomdr.io.columns import naming
@@ -949,3 +989,18 @@ def test_charts_of_a_fit():
     shifts, *_ = drawn(draw_shifts(master)).charts
     assert shifts.labels[1] == "Shift factor log₁₀ a_T [-]"
     assert shifts.layout["hovermode"] == "closest"
+
+
+def test_many_points_are_thinned_for_the_chart():
+    """The ends stay, and the table has all points."""
+    from elastomdr.app.chart import drawn
+
+    velocity = np.geomspace(1e-3, 10, 20_000)
+    rubber = em.StandardSolid(1e6, 4e6, 1e-3)
+    curve = em.friction(rubber, em.Sphere(0.01), velocity=velocity, load=10.0)
+    figure = drawn(curve.plot())
+    (chart,) = figure.charts
+    assert all(len(each["x"]) <= 4000 for each in chart.data)
+    x = next(each["x"] for each in chart.data if each["mode"] == "lines")
+    assert (x[0], x[-1]) == pytest.approx((1e-3, 10))
+    assert figure.saved("csv").count(b"\n") > 20_000

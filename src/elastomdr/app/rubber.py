@@ -85,7 +85,8 @@ class RubberStage:
                     ("Use sample DMA", self._sample),
                     multiple=True,
                 )
-                choices = {"data": session.folder.measurements}
+                files = session.folder.measurements
+                choices = {"data": files, "softening": files}
                 self.form = TableForm(
                     Fit,
                     session.rubber,
@@ -245,7 +246,7 @@ def calculate(
             hint="drop a file, or use the sample",
         )
     asked: Fit = decode(Fit, content)
-    folder.check(asked.data)
+    folder.check([*asked.data, *filter(None, [asked.softening])])
     if (
         asked.shift is not None
         and "(" not in asked.shift

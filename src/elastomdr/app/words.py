@@ -50,6 +50,8 @@ _LABELS = _TABLES | {
     "storage_only": "Storage modulus only",
     "strain": "Strain amplitude ε [%]|where several were measured; the smallest "
     "where nothing is given",
+    "softening": "Strain sweeps|a dropped file: moduli over strain amplitude, in shear; the "
+    "rubber softens as it says",
     "vertical": "Vertical shifts b_T",
     "terms": "Terms of the Prony series",
     "balance": "Storage over loss modulus [-]|how many times more exactly it is met; by "

@@ -8,6 +8,7 @@ that give it.
 import argparse
 import contextlib
 import copy
+import dataclasses
 import os
 import re
 import shlex
@@ -21,6 +22,7 @@ import elastomdr as em
 
 from ..errors import InputError, quiet
 from ..files import csv_text
+from ..trees import replaced
 from . import DONE, NOT_CONVERGED
 from .kinds import decoded, read_content, toml
 from .schema import (
@@ -52,7 +54,7 @@ _READ = (
 )
 _FITTED = ("terms", "balance", "temperature_error", "law", "poisson", "citation")
 # findings that are printed without --verbose
-_FIRST = ("columns", "data", "shift law", "misfit", "warning")
+_FIRST = ("columns", "data", "shift law", "loss tangent", "misfit", "warning")
 _LAW = re.compile(r"\s*(WLF|Arrhenius|VFT)\s*\((.*)\)\s*", re.IGNORECASE)
 # by name, an example with the units of the constants
 _LAWS = {
@@ -102,6 +104,8 @@ class Fit(Table):
             from its start
         strain: amplitude to use, such as 0.1 %, where several were measured; by
             default the smallest
+        softening: strain sweeps of the same rubber, a file: the material softens as they
+            say
         storage_only: there is no loss modulus: it is taken from the spectrum
         shift: a known shift law, such as WLF(8.9, 101.6, 20degC),
             VFT(1000, -100degC, 20degC) or Arrhenius(80 kJ/mol, 20degC), a file of
@@ -131,6 +135,7 @@ class Fit(Table):
     length: Length | None = None
     ramp: Duration | None = None
     strain: Text | None = None
+    softening: Text | None = None
     storage_only: bool = False
     shift: Text | None = None
     law: Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"] | None = None
@@ -163,9 +168,34 @@ class Fit(Table):
             if self.vertical is None:
                 options["vertical"] = vertical_of(self.shift, folder)
             shift = law_of(self.shift, folder)
-            return em.fit.material(
+            softening = self._softening(folder)
+            fit = em.fit.material(
                 dma, self.reference, shift=shift, progress=progress, **options
             )
+        if softening is None:
+            return fit
+        return dataclasses.replace(
+            fit,
+            material=replaced(fit.material, softening=softening),
+            warnings=(*fit.warnings, *softening.warnings),
+        )
+
+    def _softening(self, folder: Path) -> "em.fit.SofteningFit | None":
+        """What the strain sweeps say. Raises `InputError`."""
+        if self.softening is None:
+            return None
+        file = folder / self.softening
+        with path_from("softening"):
+            try:
+                sweeps = em.read_dma(file)
+            except InputError as error:
+                if error.argument != "kind":
+                    raise
+                # what the file does not say is as of the isotherms
+                sweeps = em.read_dma(file, kind=self.kind or "shear")
+            if sweeps.kind == "tensile":  # shear strain of the same distortion
+                sweeps = dataclasses.replace(sweeps, strain=3**0.5 * sweeps.strain)
+            return em.fit.softening(sweeps)
 
 
 def command(content: Content) -> str:
@@ -481,7 +511,7 @@ def calibrated(
         if isinstance(law.shift, em.Arrhenius):
             content["adhesion"] |= {
                 "energy": f"{float(law.shift.energy)!r} J/mol",
-                "reference": f"{float(law.shift.reference)!r} K",
+                "reference": f"{float(law.shift.reference) - 273.15:.10g} degC",
             }
     return Calibrated(found, content, files, data, file)
 

@@ -258,6 +258,7 @@ _STEPS = 3  # of a fit: shifts, vertical shifts, series
 # chance that there are no vertical shifts above which the material has none
 _OPEN = 0.05
 _UNITY = 1e-3  # by which b_T may differ from 1 at the reference temperature
+_JUDGED_AT = (0.0, 60.0)  # where treads are compared, for wet grip and rolling [degC]
 _MISSED = 0.1  # misfit of the data as measured that is worth a warning
 
 
@@ -293,6 +294,18 @@ class MaterialFit(AbstractFindings):
             else f"{self.law} in the material",
         )
         yield "vertical shift", _lifted(self.material.vertical, self.master.temperature)
+        if self.material.shift is not None:
+            tangents = (_tangent(self.material, celsius) for celsius in _JUDGED_AT)
+            yield "loss tangent", f"{', '.join(tangents)}, at 10 Hz and small strain"
+        if (softening := self.material.softening) is not None:
+            *_, (strain, storage, loss) = zip(
+                softening.strain, softening.storage, softening.loss, strict=True
+            )
+            yield (
+                "softening",
+                f"storage modulus times {storage:.3g}, loss modulus times {loss:.3g} "
+                f"at {100 * strain:.3g} % strain",
+            )
         yield from (
             (name, value) for name, value in self.prony.findings() if name != "warning"
         )
@@ -673,6 +686,21 @@ def _shifted(free: MasterCurve, vertical: bool | None) -> MasterCurve:
     if vertical is None and free.joint.weight > _OPEN:
         return free.without_vertical()
     return free.with_entropy() or free
+
+
+def _tangent(material: Prony, celsius: float) -> str:
+    """The loss tangent at a temperature and 10 Hz, and whether that was measured."""
+    kelvin, omega, known = celsius + 273.15, 20 * np.pi, material.range
+    try:
+        here = material.at(kelvin)
+    except InputError:  # beyond a table of shift factors
+        return f"not known at {celsius:g} degC"
+    within = here.range
+    low, high = (within and within.omega) or (np.inf, 0.0)
+    coldest, hottest = (known and known.temperature) or (kelvin, kelvin)
+    measured = low <= omega <= high and coldest <= kelvin <= hottest
+    said = f"{float(here.loss_tangent(omega)):.3g} at {celsius:g} degC"
+    return said if measured else f"{said} (extrapolated)"
 
 
 def _misses(fit: MaterialFit) -> Iterator[str]:

@@ -50,6 +50,7 @@ _LETTERS = {
     r"\log_{10}": "log₁₀",
     r"\,": " ",
 }
+_MOST = 2000  # points of a curve; the tables have all of them
 _LINE = 2.4  # width of a curve [pixels]
 _EDGE = "#444444"
 _PANEL, _HEIGHT = 520, 460  # pixels of a panel in a notebook
@@ -165,7 +166,9 @@ def _marks(entries: Sequence[Entry]) -> Iterator[tuple[Mark, str]]:
 def _traces(mark: Mark, together: bool) -> Iterator[Options]:
     """A mark as traces; a rule is a shape."""
     if isinstance(mark, Shaded):
-        x, low, high = (each[mark.known()] for each in (mark.x, mark.low, mark.high))
+        few = np.flatnonzero(mark.known())
+        few = few[_few(few.size)]
+        x, low, high = (each[few] for each in (mark.x, mark.low, mark.high))
         yield {
             "x": [*x, *x[::-1]],
             "y": [*low, *high[::-1]],
@@ -194,12 +197,17 @@ def _traces(mark: Mark, together: bool) -> Iterator[Options]:
 
 def _curve(mark: Trace, y: np.ndarray, dashes: str, together: bool) -> Options:
     symbol = _SYMBOLS.get(mark.mark, "circle")
+    few = _few(mark.x.size)
     at = "%{y:.4~g}" if together else "%{x:.4~g}: %{y:.4~g}"
-    said: Options = {"customdata": _ends(mark), "hovertemplate": at + "%{customdata}"}
+    ends = _ends(mark)
+    said: Options = {
+        "customdata": [ends[i] for i in few],
+        "hovertemplate": at + "%{customdata}",
+    }
     modes = {"lines": dashes, "markers": mark.mark}
     drawn: Options = {
-        "x": _known(mark.x),
-        "y": _known(y),
+        "x": _known(mark.x[few]),
+        "y": _known(y[few]),
         "mode": "+".join(mode for mode, on in modes.items() if on),
         "line": {
             "color": mark.colour,
@@ -213,6 +221,11 @@ def _curve(mark: Trace, y: np.ndarray, dashes: str, together: bool) -> Options:
         },
     }
     return drawn | ({"hoverinfo": "skip"} if mark.silent else said)
+
+
+def _few(count: int) -> np.ndarray:
+    """Which of so many points are drawn: evenly, with the first and the last."""
+    return np.linspace(0, count - 1, min(count, _MOST)).round().astype(int)
 
 
 def _ends(mark: Trace) -> list[str]:
