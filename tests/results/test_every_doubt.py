@@ -86,7 +86,7 @@ CALLS: dict[str, list[tuple[str, Callable[[], Result]]]] = {
         ("estimate", lambda: em.rolling(SOLID, BALL, velocity=V, depth=DEEP)),
         (
             "no prediction",
-            lambda: em.rolling(em.layer(SOLID, 5e-3), ROLLER, velocity=V, load=100.0),
+            lambda: em.rolling(SOLID, ROLLER, velocity=V, load=100.0),
         ),
         ("bound", lambda: OUTSIDE["RollingCurve"](RUBBER)),
     ],

@@ -51,6 +51,19 @@ def test_figure_of_several_curves():
     assert "6 of 99 points" in sentence.get_text().replace("\n", " ")
 
 
+def test_of_many_curves_over_two_parameters_some_are_drawn_and_the_figure_says_so():
+    load = np.array([10.0, 20.0, 40.0])[:, None, None]
+    result = rolling_curve(temperature=KELVIN[:, None], load=load)
+    ax = drawn(result)
+    assert legend(ax) == [
+        f"{newton:g} N, {celsius:g} °C"
+        for newton, celsius in ((10, 20), (20, 0), (20, 20), (20, 40), (40, 20))
+    ]
+    assert "5 of 9 curves drawn" in ax.texts[0].get_text().replace("\n", " ")
+    eight = drawn(rolling_curve(temperature=np.linspace(273.0, 313.0, 9)[:, None]))
+    assert len(legend(eight)) == 9  # of one parameter all
+
+
 def test_band_is_the_whole_uncertainty():
     plain = friction_curve(error=0.01)
     bound = np.where(VELOCITY > 1e-2, np.nan, 0.04)

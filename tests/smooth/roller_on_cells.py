@@ -127,7 +127,9 @@ def main() -> None:
     )
     for name, layer in covers.items():
         most = 0.0
-        for wide, speed in itertools.product((0.15, 0.5, 1.0, 2.0, 5.5), (0.3, 3.0)):
+        for wide, speed in itertools.product(
+            (0.04, 0.15, 0.5, 1.0, 2.0, 5.5), (0.3, 3.0)
+        ):
             velocity = speed * wide * h / tau
             line = _line(layer, radius, velocity, wide * h)
             for length in (7 * (wide + 0.25) * h, 20 * (wide + 0.25) * h):

@@ -92,7 +92,7 @@ _WIDEST = 60.0
 _ENDS = 4.0  # length over half-width below which a cylinder is no longer plane
 # The bound on what the ends change, as a share of mu: thicknesses that count beside the
 # half-width, the largest share, and half-widths over thickness, for which it was found.
-_AROUND, _MOST, _CELLS = 0.25, 0.25, (0.1, 6.0)
+_AROUND, _MOST, _CELLS = 0.25, 0.25, (0.03, 6.0)
 _TYPICAL = 1.5  # kL of the wave that stands for a contact where its size is estimated
 # how many times longer than its passage over a thickness a liquid is remembered
 _FLOWING = 1e8
