@@ -64,7 +64,7 @@ def test_command_line(tmp_path, monkeypatch, capsys):
     ("arguments", "said"),
     [
         (["two.csv", "--reference", "20 parsec"], "a temperature"),
-        (["tow.csv"], "'tow.csv': No such"),
+        (["tow.csv"], '"tow.csv": No such'),
         (["two.csv", "--kind", "shearing"], "--kind must be"),
         (["two.csv", "--terms", "0"], "terms must be"),
         (["two.csv", "--law", "wolf"], "law must be"),
@@ -81,7 +81,7 @@ def test_command_line(tmp_path, monkeypatch, capsys):
         (["short.csv"], "five points"),
         (["two.csv", "tensile.csv"], "one kind"),
         (["one.csv"], "range of frequencies"),
-        (["hot.csv"], "not between 100 and 800"),
+        (["hot.csv"], "between 100 and 800 K"),
         (["noloss.csv"], "--storage-only"),
     ],
 )

@@ -441,3 +441,27 @@ def test_a_ring_on_a_rod_says_that_its_rubber_is_illustrative():
     words = " ".join(text.get_text() for text in strokes.plot().texts)
     assert "illustrative moduli" in words
     assert "no particular rubber" in strokes.summary()
+
+
+def test_two_axes_are_told_apart_by_colour_and_line():
+    """Temperature by colour, load by line; where the loads are more than there are
+    lines, the other way round.
+    """
+    rubber = em.load_material("epdm-70")
+
+    def looks(temperatures, loads):
+        curve = em.rolling(
+            rubber,
+            em.Cylinder(0.05, 0.1),
+            velocity=[0.1, 1.0],
+            load=np.linspace(300.0, 900.0, loads)[:, None],
+            temperature=np.linspace(283.15, 303.15, temperatures)[:, None, None],
+        )
+        lines = [each for each in curve.plot().lines if len(each.get_xdata()) > 1]
+        drawn = [(each.get_color(), each.get_linestyle()) for each in lines]
+        assert len(set(drawn)) == temperatures * loads
+        return [len(set(each)) for each in zip(*drawn, strict=True)]
+
+    assert looks(4, 3) == [4, 3]
+    assert looks(2, 4) == [4, 2]
+    assert looks(4, 4) == [16, 1]

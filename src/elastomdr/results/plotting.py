@@ -239,6 +239,9 @@ class Shaded:
         )
 
 
+_LINES = ("-", "-.", "--")  # of curves that a second axis sets apart
+
+
 @dataclass(eq=False)
 class Across:
     """A line across the axes, at one x or at one y."""
@@ -409,6 +412,7 @@ class DrawnLine(NamedTuple):
     x: np.ndarray  # in the unit of the figure
     y: np.ndarray
     colour: str
+    dashes: str
     dotted: np.ndarray  # where it is to be doubted
 
 
@@ -455,9 +459,7 @@ class ResultSketch(Sketch):
 
     def lines(self) -> Iterator[DrawnLine]:
         """The curves, each with ascending x, in the units of the figure."""
-        for curve, colour in zip(
-            self.curves, self.colours(len(self.curves)), strict=True
-        ):
+        for curve, (colour, dashes) in zip(self.curves, self._looks(), strict=True):
             x = (
                 np.atleast_1d(self.fields[self.x][curve.place])
                 if self.along
@@ -473,8 +475,25 @@ class ResultSketch(Sketch):
                 in_unit(x[order], self.x_unit),
                 self.shown(self.y, curve)[order],
                 colour,
+                dashes,
                 np.atleast_1d(self.dotted[curve.place])[order],
             )
+
+    def _looks(self) -> list[tuple[str, str]]:
+        """Colour and line of each curve: where two axes set them apart, one by each, the
+        later one by its line unless it has more values than there are lines.
+        """
+        places = [[i for i in each.place if isinstance(i, int)] for each in self.curves]
+        index = np.array(places, int).reshape(len(places), -1)
+        sizes = index.max(axis=0, initial=0) + 1
+        axes = np.flatnonzero(sizes > 1)
+        fits = [i for i in axes if sizes[i] <= len(_LINES)]
+        if axes.size != 2 or not fits:
+            return [(colour, "-") for colour in self.colours(len(places))]
+        by_line = fits[-1]
+        (by_colour,) = axes[axes != by_line]
+        colours = self.colours(int(sizes[by_colour]))
+        return [(colours[i[by_colour]], _LINES[i[by_line]]) for i in index]
 
     def shown(self, key: str, curve: Curve) -> np.ndarray:
         """A field along a curve, in the unit of a figure."""
@@ -498,6 +517,7 @@ class ResultSketch(Sketch):
                 (label or line.curve.label) if seen else "",
                 is_curve=seen,
                 colour=line.colour,
+                dashes=line.dashes,
                 mark=mark or ("o" if line.x.size == 1 else ""),
                 size=2.6,
                 dotted=line.dotted,
