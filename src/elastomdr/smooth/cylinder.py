@@ -63,7 +63,10 @@ from .problem import (
 )
 from .softening import LINEAR
 
-ON_LAYER = "cylinder on a layer, plane strain (exact but for the ends of the cylinder)"
+ON_LAYER = (
+    "cylinder on a layer, plane strain (exact but for the ends of the cylinder, beyond "
+    "which the rubber goes on)"
+)
 ON_HALF_SPACE = (
     "cylinder on a half-space, plane strain (exact but for the ends of the cylinder)"
 )
