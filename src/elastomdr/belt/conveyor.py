@@ -244,10 +244,10 @@ def conveyor(
         InputError: as `rolling`, and for negative masses.
 
     Exact in plane strain for covers given as `em.layer`, what the ends of the rolls
-    change on rubber that goes on beyond them within `model_error`, and idlers far enough apart for the cover to recover
-    between them; within a roll the load is taken as even.
-    Bearings, flexure of belt and goods, and lifting are left out. Differentiable as
-    `rolling` is.
+    change on rubber that goes on beyond them within `model_error`, and idlers far
+    enough apart for the cover to recover between them; within a roll the load is taken
+    as even. Bearings, flexure of belt and goods, and lifting are left out.
+    Differentiable as `rolling` is.
 
     Source: `docs/belt.md`.
     """
