@@ -210,7 +210,7 @@ def test_from_files_to_friction(page):
     shows(page, 1)
     page.wait_for_function(POINTED, polling=100)  # value and band of each curve
     drop(page, SAMPLE / "dma.csv")  # is no friction, which takes some words
-    says(page, ERROR, "there is no column of velocity")
+    says(page, ERROR, "a table with a column of velocity")
     tab(page, "Export")
     with page.expect_download() as download:
         button(page, "Scene (TOML)").click()

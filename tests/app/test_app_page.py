@@ -421,6 +421,16 @@ def test_friction_calibrated_on_the_page(tmp_path):
             8e4, rel=0.2
         )
         assert not stage._sliders._of["[surface] shortest"]._place.visible
+        (taken,) = (
+            t for t in page.screen("Export")._taken() if t.title == "Calibration"
+        )
+        found = page._session.calibrated.found
+        for name in ("friction-material.toml", "friction-surface.csv"):
+            (tmp_path / name).write_bytes(taken.files[name][1]())
+        rubber = em.load_material(tmp_path / "friction-material.toml")
+        np.testing.assert_array_equal(rubber.moduli, found.material.moduli)
+        surface = em.read_spectrum(tmp_path / "friction-surface.csv", convention="2d")
+        assert float(surface.q_high) == pytest.approx(float(found.shape.q_high))
 
     simulated(tmp_path, act)
 
