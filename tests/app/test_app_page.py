@@ -708,6 +708,7 @@ def test_what_dominates_comes_first():
 def test_cards_and_readings_of_draws_are_of_their_median(tmp_path):
     from elastomdr.app.cards import cards
     from elastomdr.app.computed import _readings
+    from elastomdr.app.page import report
 
     content = {
         "material": "epdm-70",
@@ -740,6 +741,11 @@ def test_cards_and_readings_of_draws_are_of_their_median(tmp_path):
     assert mentions(sure.notes, f"numerical {share:.2g} %")
     (reading,) = _readings(done.shown, 0.1)
     assert reading.startswith(f"µ = {middle[0]:.3g} ")
+    (tmp_path / "law.csv").write_bytes(done.law("csv"))
+    np.testing.assert_allclose(
+        np.ravel(em.load_friction(tmp_path / "law.csv").mu), middle
+    )
+    assert top.number in report("x", done, "").decode()
 
 
 def test_every_kind_of_doubt_is_on_the_cards():

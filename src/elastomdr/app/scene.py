@@ -110,10 +110,10 @@ class Done:
         return written(self.curve.to_excel, "table.xlsx")
 
     def law(self, form: str) -> bytes:
-        """Friction over velocity, temperature and pressure for another program, in a
-        form of `em.FrictionLaw`. Raises `InputError`.
+        """Friction over velocity, temperature and pressure, of draws their median, for
+        another program, in a form of `em.FrictionLaw`. Raises `InputError`.
         """
-        return written(getattr(self.result.law(), f"to_{form}"), "law")
+        return written(getattr(self.shown.law(), f"to_{form}"), "law")
 
     def tir(self) -> bytes:
         """The Magic Formula of a slip curve as a property file. Raises `InputError`
