@@ -459,9 +459,11 @@ def test_two_axes_are_told_apart_by_colour_and_line():
         )
         lines = [each for each in curve.plot().lines if len(each.get_xdata()) > 1]
         drawn = [(each.get_color(), each.get_linestyle()) for each in lines]
-        assert len(set(drawn)) == temperatures * loads
+        many = temperatures * loads > 8  # of which some are drawn
+        count = temperatures + loads - 1 if many else temperatures * loads
+        assert len(set(drawn)) == len(drawn) == count
         return [len(set(each)) for each in zip(*drawn, strict=True)]
 
     assert looks(4, 3) == [4, 3]
     assert looks(2, 4) == [4, 2]
-    assert looks(4, 4) == [16, 1]
+    assert looks(4, 4) == [7, 1]

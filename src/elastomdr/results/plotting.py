@@ -176,7 +176,7 @@ class Trace:
         (drawn,) = ax.plot(self.x, sure, markerfacecolor=face, **line, **look)
         if doubted is not None:
             thin = {"linestyle": ":", "linewidth": 0.7 * width}
-            ax.plot(self.x, self.y, markerfacecolor="none", **thin, **look)
+            ax.plot(self.x, doubted, markerfacecolor="none", **thin, **look)
         return drawn
 
 
@@ -835,7 +835,11 @@ def _write_legend(canvas: Canvas, handles: Mapping[str, Artist]) -> None:
         rows = -(-len(labels) // columns) + sum(label.count("\n") for label in labels)
         figure.set_size_inches(width, size[1] + 0.018 * style.text * rows)
     look = {"frameon": False, "fontsize": 0.9 * style.text, "ncols": columns}
-    look |= {"handlelength": 1.5, "columnspacing": 1.2, "borderaxespad": 0.2}
+    look |= {
+        "handlelength": 2.3 if style.words else 1.5,
+        "columnspacing": 1.2,
+        "borderaxespad": 0.2,
+    }
     if canvas.several:
         for legend in figure.legends[:]:
             legend.remove()
