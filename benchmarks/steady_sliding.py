@@ -7,7 +7,7 @@ The main job: 64 velocities over 10 decades, 16 branches, load-controlled,
 direction-averaged. Beside it, since stock solvers do no more in one go, its core: the
 line passages of 64 velocities at a given depth. For the main job stock solvers get what
 a straightforward user gives them: Gauss-Legendre directions, and secant steps for the
-load.
+load; `em.Marched` shares curves, directions and loads as the closed forms do.
 
 References are the closed forms of `exact.py` in many digits, averaged over directions
 by adaptive quadrature; they are kept in results/ (`--fresh` computes them anew, in some
@@ -27,6 +27,7 @@ from competitors import Lines, at_load, contact_step, exponential, kvaerno5, sol
 import elastomdr as em
 
 RTOLS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
+MARCHED = (1e-3, 1e-4, 1e-6)
 SHAPES = {"paraboloid": em.Paraboloid(scene.RADIUS), "sphere": em.Sphere(scene.RADIUS)}
 SLOPES = {
     "paraboloid": exact.paraboloid(scene.RADIUS),
@@ -141,6 +142,31 @@ def line_passages(truth: dict) -> list[tuple]:
                 )
             )
 
+        if name == "sphere":
+            continue
+        for rtol in MARCHED:
+
+            def marched(shape=shape, depth=depth, rtol=rtol) -> np.ndarray:
+                return em.friction(
+                    scene.FOUNDATION,
+                    shape,
+                    velocity=velocity,
+                    depth=depth,
+                    model=em.Marched(average=False),
+                    rtol=rtol,
+                ).mu
+
+            rows.append(
+                measure(
+                    "em.Marched",
+                    f"rtol {rtol:g}",
+                    marched,
+                    truth[name],
+                    ON_LINE[name],
+                    1,
+                )
+            )
+
     def add(
         method: str,
         setting: str,
@@ -217,6 +243,29 @@ def main_job(truth: dict, steps: int) -> tuple[list[tuple], int]:
                     repeats,
                 )
             )
+
+    for rtol in MARCHED:
+
+        def marched(rtol=rtol) -> np.ndarray:
+            return em.friction(
+                scene.FOUNDATION,
+                SHAPES["paraboloid"],
+                velocity=scene.VELOCITY,
+                load=scene.LOAD,
+                model=em.Marched(corrected=False),
+                rtol=rtol,
+            ).mu
+
+        rows.append(
+            measure(
+                "em.Marched",
+                f"rtol {rtol:g}",
+                marched,
+                truth["paraboloid"],
+                AVERAGED["paraboloid"],
+                1,
+            )
+        )
 
     node, weight = np.polynomial.legendre.leggauss(ANGLES)
     cosine = np.cos(np.pi / 4 * (node + 1))
@@ -363,6 +412,11 @@ def main() -> None:
             for r in loops
         ),
         verdict(
+            "main job, em.Marched over elastomdr",
+            cheapest(job, "em.Marched")[4] / ours[4],
+            1000,
+        ),
+        verdict(
             "main job, exponential steps over elastomdr",
             job[-2][4] / ours[4],
             50,
@@ -373,6 +427,11 @@ def main() -> None:
             stock_line[4] / ours_line[4],
             50,
             least=True,
+        ),
+        verdict(
+            "line passages, em.Marched over elastomdr",
+            cheapest(lines, "em.Marched")[4] / ours_line[4],
+            1000,
         ),
         *(
             verdict(

@@ -41,4 +41,4 @@ def test_runs_and_prints_what_it_holds(path):
 
 def test_there_is_one_for_each_kind_of_user():
     persons = [path.stem.partition("_")[2] for path in NOTEBOOKS]
-    assert persons == ["tyre", "seal", "belt", "laboratory", "code"]
+    assert persons == ["tyre", "seal", "belt", "laboratory", "code", "teacher"]

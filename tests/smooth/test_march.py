@@ -341,6 +341,19 @@ def test_rolling_and_what_the_elements_do(tmp_path):
         assert picture.n_frames == 3
 
 
+def test_elastic_rubber_has_elements_and_no_friction():
+    """And says so without a share of nothing, by every model."""
+    rubber, ball = em.Prony(0.5e6, [], []), em.Sphere(5e-3)
+    for model in (None, em.Marched()):
+        curve = em.friction(rubber, ball, velocity=[0.1, 0.3], load=1.0, model=model)
+        assert (curve.mu == 0).all()
+        assert "nan" not in curve.summary()
+    elements = curve.elements(1)
+    np.testing.assert_allclose(np.trapezoid(elements.q, elements.x), 1.0, rtol=1e-4)
+    under = elements.q[np.abs(elements.x) <= elements.x[-1]]
+    np.testing.assert_allclose(under, under[::-1], atol=1e-9 * under.max())
+
+
 def test_marched_is_refused_where_there_are_no_such_elements():
     rubber, ball = em.Prony(0.5e6, [1e6], [1e-3]), em.Sphere(5e-3)
     road = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=1e5)
@@ -351,13 +364,18 @@ def test_marched_is_refused_where_there_are_no_such_elements():
     for surface, by in ((road, {"pressure": 1e5}), (line, {"load": 1e3})):
         with refused("model", "Marched"):
             em.friction(rubber, surface, **by, **given)
-    for curve, point, name in (
+    with refused("model", "em.Averaged()"):
+        em.friction(rubber, em.Cylinder(5e-3, 0.05), load=1.0, **given)
+    marched: Any = em.friction(rubber, ball, load=1.0, rtol=1e-3, **given)
+    calls: Any = (
         (em.friction(rubber, ball, velocity=0.3, load=1.0), 0, "model"),
-        (em.friction(rubber, ball, load=1.0, rtol=1e-3, **given), 1, "point"),
-    ):
+        *((marched, point, "point") for point in (1, -2, (0,), "first", 0.0, None)),
+    )
+    for curve, point, name in calls:
         with pytest.raises(em.InputError) as raised:
             curve.elements(point)
         assert raised.value.argument == name
+    assert marched.elements(()).q.max() == marched.elements(0).q.max()
 
     def friction(velocity):
         return em.friction(

@@ -71,7 +71,7 @@ def of_layer(model: Model | str | None, quantity: str, label: str) -> Averaged |
             argument="model",
             got=chosen,
             accepted=named(Averaged(), Line()) + f" for a {label} on this material",
-            hint="it has no independent elements, as an indenter on a half-space and "
+            hint="it has no independent elements, as a ball on a half-space and "
             "em.springs have",
         )
     return chosen

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .. import __version__
-from ..checks import in_si, significant
+from ..checks import in_si, is_whole, significant
 from ..errors import InputError
 from ..files import as_path, csv_text, write_files
 from .axes import Quantity
@@ -166,11 +166,13 @@ class AbstractCurve(Result):
                 accepted="em.Marched() of one material for the elements of a curve",
             )
         places = np.arange(good.size).reshape(good.shape)
-        flat = not isinstance(point, tuple)
-        inside = (
-            -good.size <= point < good.size if flat else point in np.ndindex(good.shape)
+        where = point if isinstance(point, tuple) else (point,)
+        places = places if isinstance(point, tuple) else places.ravel()
+        inside = len(where) == places.ndim and all(
+            is_whole(j) and -n <= j < n
+            for j, n in zip(where, places.shape, strict=True)
         )
-        i = int((places.ravel() if flat else places)[point]) if inside else 0
+        i = int(places[where]) if inside else 0
         if not inside or not good.flat[i]:
             raise InputError(
                 argument="point",
@@ -192,8 +194,9 @@ class AbstractCurve(Result):
         if len(every) > _LISTED:
             yield "...", f"and {len(every) - _LISTED} more curves"
         bound = np.ravel(np.nan if self.model_error is None else self.model_error)
-        if np.isfinite(bound).any():
-            share = bound / np.abs(np.ravel(self._shown()))
+        shown = np.abs(np.ravel(self._shown()))
+        share = bound / np.where(shown > 0, shown, np.nan)
+        if np.isfinite(share).any():
             most = significant(100 * float(np.nanmax(share)), 2)
             yield (
                 "model error",

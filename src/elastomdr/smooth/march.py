@@ -89,6 +89,10 @@ def march_passages(
     average; not converged is where the error is no longer small against mu. `trailing`
     is where contact is lost for the last time, to within one sample.
     """
+    count = velocity.size
+    # one program for all counts up to the next power of 2: it takes seconds to compile
+    padded = (0, (1 << (count - 1).bit_length()) - count)
+    value, velocity = (np.pad(x, padded, mode="edge") for x in (value, velocity))
     load = value if control == "load" else None
     log_size = np.log(estimate_sizes(law, lines, control, value, velocity))
     samples, marches = _FEWEST, []
@@ -104,7 +108,7 @@ def march_passages(
         samples *= 2
     size, normal, drag = map(halving_limit, marches[-2][:3], marches[-1][:3])
     leading, trailing = lines.entry(size)[0], march.trailing
-    return Passages(
+    passages = Passages(
         mu=drag / normal,
         normal_force=normal,
         friction_force=drag,
@@ -115,6 +119,7 @@ def march_passages(
         error=error,
         converged=good,
     )
+    return Passages(*(field[:count] for field in passages))
 
 
 def _judged(
