@@ -484,7 +484,7 @@ def test_every_field_of_every_result_is_declared():
             assert q is None or (q.label and q.dims.startswith(("...", "")))
     parts = {name.partition(".")[2] for name in names}
     of_some = {"contact", "lines", "history", "oblique", "surface", "profile"}
-    assert parts == {*of_some, "marks"}
+    assert parts == {*of_some, "marks", "jump_in", "pull_off"}
 
 
 UNITS = {  # of each quantity, whatever the result
@@ -492,11 +492,11 @@ UNITS = {  # of each quantity, whatever the result
         "adhesion area area_ratio asperity asperity_share boundary coefficient cold "
         "creepage error fill friction hysteresis knudsen linear model_error mu mu_high mu_low outside "
         "ratio restitution road_share rolling rubber share slip spread squeeze stick strain "
-        "trapped_error trapped_share viscous"
+        "trapped_error trapped_share viscous work_factor zone_ratio"
     ),
     "m^2": "contact_area",
     "": "converged extrapolated follows other_states percolates stuck touching",
-    "m/s": "road slowest velocity velocity_in velocity_out",
+    "m/s": "edge_speed road slowest velocity velocity_in velocity_out",
     "K": "ambient contact_rise steady temperature temperature_rise",
     "N": "amplitude mean force friction_force friction_in friction_out max_force normal_force pull resistance",
     "W": "power slip_power",
@@ -519,7 +519,7 @@ UNITS = {  # of each quantity, whatever the result
     "rad/m": "wave_number",
     "N/m": "back carry friction_per_length line_load load load_per_length",
     "kg": "mass",
-    "J": "dissipated given imbalance kinetic locked lost slip_loss stored work",
+    "J": "dissipated given imbalance kinetic locked loop_energy lost slip_loss stored work",
     "N m": "moment",
     "W/m^2": "heat_flux",
     "N s/m": "slope",
