@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+import elastomdr as em
 from elastomdr.element.contact_step import rest
 from elastomdr.element.elements import ContactStep, RigidSurface
 from elastomdr.element.law import Foundation
@@ -130,3 +131,40 @@ def test_gradients_forward_and_reverse():
                 float(forward(p, jax.tree.map(jnp.zeros_like, p) | {name: step})),
                 rel=1e-10,
             )
+
+
+def test_reverse_derivative_of_stick_slip_is_the_forward_one():
+    instants = np.linspace(0, 25e-3, 26)
+    x = jnp.arange(32) * 1e-3 / 32
+    k = 2 * np.pi / 1e-3
+
+    def mean_place(branch, adjoint):
+        law = em.Foundation(1e6, [branch], [2e-3])
+        slider = em.elements.MovingBody(
+            None,
+            load=400.0,
+            surface=lambda place: 5e-5 * (jnp.cos(k * (x - place)) - 1),
+            spacing=1 / 32,
+            tangential=em.Mount(2.0, 8e4),
+            drive=lambda t: 0.15 * t,
+        )
+        return diffrax.diffeqsolve(
+            slider,
+            em.elements.ContactStep(16),
+            0.0,
+            instants[-1],
+            None,
+            slider.start(law),
+            law,
+            saveat=diffrax.SaveAt(ts=instants),
+            stepsize_controller=diffrax.StepTo(ts=instants),
+            max_steps=instants.size,
+            adjoint=adjoint,
+        ).ys.position.mean()
+
+    at = jnp.asarray(4e6)
+    forward = jax.jit(jax.jacfwd(lambda e: mean_place(e, diffrax.ForwardMode())))
+    reverse = jax.jit(
+        jax.grad(lambda e: mean_place(e, diffrax.RecursiveCheckpointAdjoint()))
+    )
+    np.testing.assert_allclose(reverse(at), forward(at), rtol=1e-9)
