@@ -1,7 +1,7 @@
 """Have marched elements the friction of the closed forms, within their stated errors?
 Drawn scenes: bodies on half-spaces and springs.
 
-    python benchmarks/marched.py [--minutes 25] [--scenes 200]
+    python benchmarks/marched.py [--minutes 25] [--first 0] [--scenes 200]
 
 Both are ours, and share no formula but the exact step of an element. A line is printed
 for every scene; what is done within the minutes is kept, with its count. Ratios of
@@ -73,12 +73,13 @@ def solve(number: int) -> Scene:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--minutes", type=float, default=25.0)
+    parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--scenes", type=int, default=200)
     given = parser.parse_args()
     one_core()
     record = heading("Marched elements against closed forms, one core")
     until, found = time.monotonic() + 60 * given.minutes, []
-    for number in range(given.scenes):
+    for number in range(given.first, given.first + given.scenes):
         if time.monotonic() > until:
             break
         found.append(solve(number))

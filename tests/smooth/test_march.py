@@ -341,6 +341,19 @@ def test_rolling_and_what_the_elements_do(tmp_path):
         assert picture.n_frames == 3
 
 
+def test_the_figure_of_many_branches_names_those_that_carry_most():
+    rubber = em.Prony(0.5e6, np.geomspace(3e6, 1e5, 9), np.logspace(-5, 3, 9))
+    curve = em.friction(
+        rubber, em.Sphere(5e-3), velocity=0.1, load=1.0, model=em.Marched(), rtol=1e-3
+    )
+    elements = curve.elements()
+    lower = elements.plot().figure.axes[1]
+    labels = [text.get_text() for text in lower.get_legend().get_texts()]
+    largest = np.argsort(-np.abs(elements.branches).max(axis=1))[:4]
+    assert labels[2:] == [*(f"branch {k + 1}" for k in largest), "other branches"]
+    assert len(lower.lines) == 2 + 9
+
+
 def test_elastic_rubber_has_elements_and_no_friction():
     """And says so without a share of nothing, by every model."""
     rubber, ball = em.Prony(0.5e6, [], []), em.Sphere(5e-3)
@@ -364,6 +377,8 @@ def test_marched_is_refused_where_there_are_no_such_elements():
     for surface, by in ((road, {"pressure": 1e5}), (line, {"load": 1e3})):
         with refused("model", "Marched"):
             em.friction(rubber, surface, **by, **given)
+    with refused("model", "branches"):
+        em.dissipation(rubber, ball, load=1.0, **given)
     with refused("model", "em.Averaged()"):
         em.friction(rubber, em.Cylinder(5e-3, 0.05), load=1.0, **given)
     marched: Any = em.friction(rubber, ball, load=1.0, rtol=1e-3, **given)

@@ -42,6 +42,7 @@ _DECADES = 30.0
 WAVE_NUMBER = "Wave number q [rad/m]"
 SPECTRUM = "Spectrum C(q), <h²> = ∫C d²q [m⁴]"
 _TOUCHING = "#c23b22"
+_NAMED = 4  # branches with a name in the figure of elements, those that carry most
 
 
 def draw_impact(result: Drawable, ask: DrawAsk) -> Axes:
@@ -285,8 +286,18 @@ class SteadyElements:
         if lower is not None:
             lower.plot(1e3 * self.x, self.q, color="k", label="contact, q")
             lower.plot(1e3 * self.x, self.spring, label="spring")
-            for number, force in enumerate(self.branches, 1):
-                lower.plot(1e3 * self.x, force, lw=1, label=f"branch {number}")
+            most = np.argsort(-np.abs(self.branches).max(axis=1))
+            for rank, k in enumerate(most):
+                few = rank < _NAMED
+                label = f"branch {k + 1}" if few else "other branches"
+                lower.plot(
+                    1e3 * self.x,
+                    self.branches[k],
+                    lw=1,
+                    color=None if few else "0.7",
+                    zorder=None if few else 1,
+                    label=label if rank <= _NAMED else None,
+                )
             lower.set_ylabel(f"Force density [{self.per}]")
             lower.legend()
         return ax

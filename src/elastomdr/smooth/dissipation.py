@@ -21,6 +21,7 @@ from ..checks import (
     warn_unless,
 )
 from ..errors import InputError
+from ..models import Averaged, Line, as_model, named
 from ..results.doubts import carried
 from ..results.spectrum import Dissipation
 from ..surface.direction import directions
@@ -92,6 +93,13 @@ def dissipation(
     call = SmoothCall("dissipation", solid, shape, asked, model, rtol)
     if is_on_layer(material, shape):
         return _on_layer(dataclasses.replace(call, quantity="rolling"))
+    model = as_model(model)
+    if model is not None and model.marched:
+        raise InputError(
+            argument="model",
+            got=model,
+            accepted=named(Averaged(), Line()) + " for the losses of branches",
+        )
     scene = check(call, softens=False)
     _check_branches(scene.plan)
     return _shares(scene)
