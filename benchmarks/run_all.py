@@ -6,9 +6,9 @@ part here, and such a run is not recorded; run in full they are `robustness/stre
 `robustness/stress_motion.py`, `fit_coverage.py`, `heat_coverage.py` and
 `robustness/fuzz.py`. The half-space solutions of the validity map are kept from its own
 run (`validity_map.py --fresh`, five minutes). With `--data DIR`, a folder of the
-measured data, fits are compared with other tools too (`fit_peers.py`). Three long
+measured data, fits are compared with other tools too (`fit_peers.py`). Four long
 scripts that measure no time are left out: `robustness/sliding_matrix.py`,
-`fit_held_out.py`, `fit_relaxation.py`. `fit_library.py` makes the library.
+`fit_held_out.py`, `fit_relaxation.py`, `marched.py`. `fit_library.py` makes the library.
 """
 
 import argparse
