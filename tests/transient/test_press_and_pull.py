@@ -153,6 +153,41 @@ def test_edges_that_are_given_are_limits():
     assert any("upper limit" in doubt.says for doubt in upper.doubts)
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.ExtrapolationWarning")
+@pytest.mark.parametrize("celsius", [25.0, 5.0])
+def test_an_edge_faster_than_the_data_is_extrapolated(celsius):
+    """At 2 pi v/(a_0 Gamma), of what is pressed and pulled slowly enough."""
+    rubber, kelvin = em.load_material("epdm-70"), celsius + 273.15
+    depth = way(30e-6, -30e-6, 30)
+    found = {}
+    for cutoff in (1e-4, 1e-8):
+        found[cutoff] = em.indent(
+            rubber,
+            em.Sphere(RADIUS),
+            time=np.append(0.0, 1e-2 + np.arange(depth.size - 1) * 1e-3),
+            depth=depth,
+            adhesion=em.Adhesion(WORK, cutoff=cutoff),
+            temperature=kelvin,
+        )
+    assert not found[1e-4].extrapolated.any()
+    pull = found[1e-8]
+    gamma = np.where(pull.edge_speed > 0, 1 / pull.work_factor, pull.work_factor)
+    rate = 2 * np.pi * abs(pull.edge_speed) / (1e-8 * gamma)
+    fast = rate * 10 ** rubber.shift.log10_a(kelvin) > rubber.range.omega[1]
+    assert 0 < fast.sum() < fast.size
+    assert (pull.extrapolated == fast).all()
+    assert np.isnan(pull.model_error[fast]).all()
+
+
+def test_an_edge_faster_than_its_table_is_extrapolated():
+    edge = ([1e-9, 1e-5], [1.0, 3.0])
+    with pytest.warns(em.ExtrapolationWarning, match="table"):
+        found = cycle(RUBBER, adhesion=em.Adhesion(WORK, edge=edge))
+    fast = np.nan_to_num(abs(found.edge_speed)) > 1e-5
+    assert 0 < fast.sum() < fast.size
+    assert (found.extrapolated == fast).all()
+
+
 def test_strength_is_a_cutoff():
     strength = 1e5
     cutoff = 6 * RELAXED * WORK / (np.pi * strength**2)

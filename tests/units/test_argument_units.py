@@ -89,7 +89,7 @@ def test_every_argument_of_numbers_refuses_a_unit_of_something_else(
 def test_every_argument_with_a_unit_is_converted(name, call, numbers):
     function = inspect.unwrap(call.__init__ if inspect.isclass(call) else call)
     to_numbers = arguments_in_si(function)
-    for argument in set(numbers) - {"coefficient", "c", "road", "profile"}:
+    for argument in set(numbers) - {"coefficient", "c", "road", "profile", "edge"}:
         unit = _unit(function.__qualname__, argument, {})
         for one in unit if isinstance(unit, tuple) else [unit]:
             given = Q(3.0, one.removesuffix(" of difference")) * Q(1.0, "mm/m")
@@ -153,6 +153,7 @@ CALLS = {
         em.stability(em.Mount(1.0, 1e3), force=np.array([1.0, 2.0, 1.5]), **k).slope
     ),
     "sphere": lambda **k: em.Sphere(**k).radius,
+    "Adhesion": lambda **k: em.Adhesion(**k).length(1e6),
     "Prony": lambda **k: em.Prony(**k).storage(10.0),
     "SelfAffine": lambda **k: em.SelfAffine(hurst=0.8, rms_slope=0.3, **k).rms_height,
     "RoughLine": lambda **k: em.RoughLine(**k).height,
@@ -198,6 +199,7 @@ GIVEN = {
     },
     "stability": {"velocity": np.array([0.1, 0.2, 0.3]), "wavelength": 1e-3},
     "sphere": {"radius": 5e-3},
+    "Adhesion": {"work": 0.05, "strength": 1e5},
     "Prony": {
         "equilibrium": 1e6,
         "moduli": np.array([1e6, 2e6]),
@@ -216,6 +218,11 @@ def test_a_call_with_units_is_the_call_in_si(name):
         for key, value in GIVEN[name].items()
     }
     np.testing.assert_allclose(CALLS[name](**asked), plain, rtol=1e-9)
+
+
+def test_a_table_of_the_edge_takes_speeds_with_a_unit():
+    found = em.Adhesion(0.05, edge=(Q([1.0, 2.0], "mm/s"), [1.0, 3.0]))
+    assert np.allclose(found.edge, [[1e-3, 2e-3], [1.0, 3.0]])
 
 
 def test_the_examples_of_the_issue():

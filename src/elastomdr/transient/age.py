@@ -35,10 +35,12 @@ def history_beyond(
     *,
     slid: Any = None,
     at_once: bool = True,
+    edge: Array | None = None,
 ) -> tuple[Doubt, ...]:
     """Instants [s] along the last axis of depths [m] or loads [N] `pressed`, and
     displacements [m] `slid`, all of the shape of `time`. `at_once`: whether what is put
-    on at once at the first instant is looked at there.
+    on at once at the first instant is looked at there. `edge`: where an
+    adhesive edge is faster than the data (`edge_beyond`).
     """
     if known is None or is_traced(time, pressed, slid, temperature, factor):
         return ()
@@ -53,7 +55,17 @@ def history_beyond(
         young |= _came(time, slid, ages[0]) > _YOUNG * largest
         old |= np.abs(_before(time, slid, ages[1])) > _OLD * largest
     young[..., 0] &= at_once
+    if edge is not None:
+        young |= edge
     return _instants(known, young, old, ages, temperature)
+
+
+def edge_beyond(known: Range | None, rate: Array, factor: Array | float) -> Array:
+    """Where an edge strains the rubber at angular frequencies `rate` [rad/s] above the
+    data; not where there is none (NaN).
+    """
+    youngest = 0.0 if known is None else _ages(known, factor)[0]
+    return np.nan_to_num(rate) * youngest > 1 + _ROUNDING
 
 
 def sliding_beyond(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ..arrays import xp
+from ..call.extrapolation import warn_of
 from ..call.problem import check_rtol, doubt_depth, hint_at_metres
 from ..call.several_materials import over_materials
 from ..checks import (
@@ -33,11 +34,12 @@ from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..material.validity import material_in_words
 from ..results.base import Array, part, quantity, record
+from ..results.doubts import Doubt
 from ..results.words import brief, describe, in_words
 from ..surface.disc import Disc
 from ..surface.shapes import AbstractShape, Cylinder, Paraboloid, PowerLaw, Sphere
 from .adhesive_contact import Adhesion
-from .age import history_beyond
+from .age import edge_beyond, history_beyond
 from .history_result import AbstractHistory
 from .indentation_route import DepthOrLoad, Indented, indent_under
 from .layer_disc import LayerDisc, incompressible_enough, of_layer
@@ -286,17 +288,24 @@ def indent(
     shown = _judge(solution, bonds is None, max(rtol, solution.held_to))
     every_time = xp.broadcast_to(course.time, solution.depth.shape)
     given_load = course.load is not None and course.depth is None
+    fast = None
+    if (rate := _rate_of_edge(law, bonds, solution)) is not None:
+        fast = edge_beyond(foundation.range, rate, factor)
     beyond = history_beyond(
         foundation.range,
         every_time,
         course.load if given_load else solution.depth,
         law_temperature,
         factor,
+        edge=fast,
     )
 
     bound = bound_on(foundation, Bound())
     if bonds is not None and not bound.warns:
+        beyond += _beyond_table(bonds, solution)
         bound = _bound_on_edge(law, disc, bonds, solution)
+        if fast is not None:
+            bound = bound._replace(size=np.where(fast, np.nan, bound.size))
 
     def known(field: Array) -> Any:
         return nan_unless(shown, field)
@@ -537,6 +546,34 @@ def _bound_on_edge(
         f"than {_PRELOAD} times the depth of JKR, {significant(float(np.max(edge.scale)))} m"
     )
     return Bound(size[..., None], why, "a smaller cutoff, or a deeper contact")
+
+
+def _rate_of_edge(
+    law: Relaxation, bonds: Adhesion | None, solution: Indented
+) -> Array | None:
+    """Angular frequency 2 pi v/(a_0 Gamma) at which the edge strains the rubber [rad/s];
+    None where what it takes is not computed from the rubber.
+    """
+    edge = solution.edge
+    if bonds is None or edge is None or bonds.edge != "persson-brener":
+        return None
+    if is_traced(law, edge.speed, bonds) or not law.moduli.any():
+        return None
+    # what a closing edge gives is 1/Gamma
+    gamma = np.where(edge.speed > 0, 1 / edge.factor, edge.factor)
+    return 2 * np.pi * abs(edge.speed) / (bonds.length(law.equilibrium) * gamma)
+
+
+def _beyond_table(bonds: Adhesion, solution: Indented) -> tuple[Doubt, ...]:
+    """Where an edge is faster than the table that was given of it; with a warning."""
+    edge = solution.edge
+    if edge is None or isinstance(bonds.edge, str) or is_traced(edge.speed):
+        return ()
+    says = "have an edge faster than the table of `edge`, whose last factor is taken"
+    fast = np.nan_to_num(abs(edge.speed)) > bonds.edge[0][-1]
+    doubt = Doubt("extrapolated", fast, says, "factors at those speeds")
+    warn_of(doubt)
+    return (doubt,)
 
 
 def _check(
