@@ -118,7 +118,7 @@ def written(value: object) -> str:
     shape = getattr(value, "shape", None)
     if isinstance(value, float):
         return f"{value:g}"
-    if hasattr(value, "in_python"):  # a model
+    if hasattr(value, "in_python") and not isinstance(value, type):  # a model
         return f"em.{value.in_python()}"  # pyright: ignore[reportAttributeAccessIssue]
     if isinstance(shape, tuple) and hasattr(value, "dtype"):
         if sum(shape) > _MOST or len(shape) > 1:

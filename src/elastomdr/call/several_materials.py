@@ -111,7 +111,8 @@ def _computed(
                 results.append(call())
                 add(1)
             except InputError as error:
-                if i == 0 and error.argument != "material":
+                of_material = error.argument == "material"
+                if i == 0 and not of_material and _alike(calls[1:], error):
                     raise  # of the other arguments
                 called = getattr(call.args[0], "name", "")
                 which = f"material[{i}] ({called})" if called else f"material[{i}]"
@@ -124,6 +125,18 @@ def _computed(
     of_each = list(zip(of_whom, caught, strict=True))
     _warn_once(of_each, _TEXTS if drawn is None else 1)
     return results
+
+
+def _alike(calls: list[functools.partial[R]], error: InputError) -> bool:
+    """Whether all calls fail in the same way."""
+    for call in calls:
+        try:
+            call()
+        except InputError as other:
+            if (other.argument, other.accepted) == (error.argument, error.accepted):
+                continue
+        return False
+    return True
 
 
 def _packed(results: list[Any], names: list[str], drawn: tuple[str, str] | None) -> Any:

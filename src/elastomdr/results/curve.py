@@ -395,7 +395,7 @@ class FrictionCurve(AbstractCurve):
         }
         doubts = self._of_cold() if cold else self.examined()
         mu = fields["cold" if cold else "mu"]
-        return gridded({**points, "mu": mu}, carried(doubts, np.ravel))
+        return gridded({**points, "mu": mu}, carried(doubts, np.ravel, failed=True))
 
     def _of_cold(self) -> Iterator[Doubt]:
         """The doubts of the friction without heating; where the call is not known those
@@ -425,7 +425,7 @@ class FrictionCurve(AbstractCurve):
         Raises `InputError` for several materials that are no draws.
         """
         if not self.origins:
-            return Uncertainty(tuple(self._parts()))
+            return Uncertainty(tuple(self._parts()), self.doubts)
         if not self.drawn:
             raise InputError(
                 argument="material",
@@ -440,7 +440,8 @@ class FrictionCurve(AbstractCurve):
         drawn = Part("rubber", share, said, test, 0.5 * share)
         parts = next(self.each_material())._parts()
         return Uncertainty(
-            tuple(drawn if part.source == "rubber" else part for part in parts)
+            tuple(drawn if part.source == "rubber" else part for part in parts),
+            self.band().doubts,
         )
 
     def _parts(self) -> Iterator[Part]:

@@ -7,6 +7,7 @@ found at no point is kept by whoever looked, and not shown. Sentences are made w
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -66,6 +67,8 @@ SHORT: dict[Kind, str] = {
     "illustrative": "illustrative moduli",
     "estimate": "an estimate",
 }
+# a line of `in_words`, as a comment
+_LINE = re.compile(r"# doubt, ([^:]+): \d+ of \d+ points (.*?)(; surer: (.*))?\s*")
 TITLE = "doubts"  # of the column of a table that names the kinds of each point
 
 
@@ -121,16 +124,19 @@ def where(doubts: Iterable[Doubt], kind: Kind) -> Array | None:
 
 
 def carried(
-    doubts: Iterable[Doubt], change: Callable[[Any], Any] = lambda points: points
+    doubts: Iterable[Doubt],
+    change: Callable[[Any], Any] = lambda points: points,
+    failed: bool = False,
 ) -> tuple[Doubt, ...]:
     """The doubts of what a result was made from, at its own points: `change` takes their
     masks there, and those that say the same become one.
 
-    What did not converge is NaN in what is made from it, which says so itself.
+    What did not converge is NaN in what is made from it, which says so itself, unless
+    it has no such flag of its own and takes that of the `failed` with it.
     """
     every: dict[tuple[str, str, str], Doubt] = {}
     for doubt in doubts:
-        if doubt.kind == "not converged":
+        if doubt.kind == "not converged" and not failed:
             continue
         key, points = (doubt.kind, doubt.says, doubt.remedy), change(doubt.points)
         if key in every:
@@ -178,13 +184,20 @@ def flags(doubts: Iterable[Doubt], shape: tuple[int, ...]) -> np.ndarray:
     return bits
 
 
-def from_kinds(names: Sequence[str]) -> tuple[Doubt, ...]:
-    """The doubts of points whose kinds a table names, as `kinds_of_points` writes them."""
+def from_kinds(names: Sequence[str], lines: Iterable[str] = ()) -> tuple[Doubt, ...]:
+    """The doubts of points whose kinds a table names, as `kinds_of_points` writes them;
+    why, and what would help, is taken from lines of `in_words` where there are any.
+    """
     of_points = [name.split("; ") for name in names]
+    told: dict[str, list[tuple[str, str]]] = {}
+    for found_line in filter(None, map(_LINE.fullmatch, lines)):
+        kind, says, _, remedy = found_line.groups(default="")
+        told.setdefault(kind, []).append((says, remedy))
     return tuple(
-        Doubt(kind, points)
+        Doubt(kind, points, *reason)
         for kind in KINDS
         if (points := np.array([kind in each for each in of_points])).any()
+        for reason in told.get(kind, [("", "")])
     )
 
 

@@ -189,7 +189,7 @@ class FrictionLaw(Tree):
             share = FrictionLaw(mu=1.0 * points, **self.axes())
             return stop_gradient(share(velocity, temperature, pressure) > 0)
 
-        return carried(self.marks, there)
+        return carried(self.marks, there, failed=True)
 
     @numpy_unless_traced
     def __call__(
@@ -222,6 +222,8 @@ class FrictionLaw(Tree):
             low, high = axis[0] * (1 - _SAME), axis[-1] * (1 + _SAME)
             if not is_traced(axis):
                 ends = f"{float(axis[0]):.6g} to {float(axis[-1]):.6g} {_UNITS[name]}"
+                if axis.size == 1:
+                    ends = f"{float(axis[0]):.6g} {_UNITS[name]} alone"
                 accepted = f"within the friction law, {ends}"
                 require(
                     name,
@@ -350,11 +352,8 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
     """
     name = as_path(path).name
     try:
-        lines = [
-            line
-            for line in read_text(path).split("\n")
-            if line.strip() and not line.lstrip().startswith("#")
-        ]
+        text = [line for line in read_text(path).split("\n") if line.strip()]
+        lines = [line for line in text if not line.lstrip().startswith("#")]
         rows = [[cell.strip() for cell in row] for row in csv.reader(lines)]
     except (OSError, ValueError, csv.Error) as error:
         raise InputError(
@@ -392,7 +391,7 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
             accepted="a table without cells that are missing or no number",
         ) from error
     try:
-        return gridded(points, from_kinds(kinds))
+        return gridded(points, from_kinds(kinds, text))
     except InputError as error:
         error.inside(repr(name), "path")
         raise
@@ -438,7 +437,7 @@ def gridded(
     return FrictionLaw(
         mu=on_grid(points["mu"]),
         **dict(zip(names, axes, strict=True)),
-        doubts=carried(doubts, on_grid),
+        doubts=carried(doubts, on_grid, failed=True),
     )
 
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..checks import significant
 from ..errors import InputError
-from .doubts import Doubt, where
+from .doubts import Doubt, carried, counted_kinds, found, where
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -131,6 +131,7 @@ class Uncertainty:
     """What `FrictionCurve.uncertainty` returns: parts, to go through or take by name."""
 
     parts: tuple[Part, ...]
+    doubts: tuple[Doubt, ...] = ()  # of mu, at the points of the curve
 
     def __getitem__(self, source: str) -> Part:
         """The part of a name. Raises `InputError` for a name that is not among them."""
@@ -145,7 +146,8 @@ class Uncertainty:
 
     def at(self, points: list[int]) -> Uncertainty:
         """The same of some points, by their number in the flattened curve."""
-        return Uncertainty(tuple(part.at(points) for part in self))
+        doubts = carried(self.doubts, lambda at: np.ravel(at)[points], failed=True)
+        return Uncertainty(tuple(part.at(points) for part in self), found(doubts))
 
     def band(self, test: str = "") -> np.ndarray:
         """Half the band around mu, relative, at each point, after a `test`: bounds are
@@ -175,6 +177,8 @@ class Uncertainty:
         width = max(len(part.source) for part in self) + 2
         lines = [f"{part.source:<{width}}{part.words()}" for part in self]
         lines.append(f"{'band':<{width}}{_range(self.band())}")
+        if said := counted_kinds(self.doubts):
+            lines.append(f"{'doubts':<{width}}{said}")
         return "\n".join(lines + [f"surer: {each.words()}" for each in self.surer()])
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:

@@ -446,7 +446,16 @@ def check_rubber(material: object, ring: object) -> None:
             accepted="the rubber of the O-ring (em.Prony, em.load_material(...))",
         )
     law = normal_operator(material)
-    modulus = np.asarray(_modulus(law, material, ring.time, ring.temperature))
+    try:
+        modulus = np.asarray(_modulus(law, material, ring.time, ring.temperature))
+    except InputError as error:
+        had = "no temperature" if ring.temperature is None else "a temperature"
+        raise InputError(
+            argument="material",
+            got=material,
+            accepted="the rubber of the O-ring",
+            hint=f"that was made with {had}, which this one wants {error.accepted}",
+        ) from error
     size: Any = 8 * ring.line_load * ring.diameter / (np.pi * ring.width**2)
     known = np.asarray(size)
     fits = np.isclose(modulus, known, rtol=1e-6)

@@ -36,6 +36,7 @@ from ..material.prony import Prony
 from ..material.relaxation import Relaxation
 from ..material.shift import need_same_thermal, thermal_factors
 from ..material.validity import material_in_words, shared
+from ..results.base import Result
 from ..results.doubts import Doubt, carried
 from ..results.friction_law import FrictionLaw
 from ..results.words import brief, describe
@@ -79,6 +80,11 @@ _OWN = ("velocity", "leading", "trailing", "friction", "creepage")
 # Below the first what sticks is lost in rounding; above the second the error of the
 # force no longer counts what slips.
 _FRICTION = 1e-12, 1e12
+# at what a friction law is asked, which nobody has typed
+_MEANT = {
+    "pressure": ("mean pressure of the contact", "Pa"),
+    "velocity": ("velocity with which the body slides", "m/s"),
+}
 BRUSH = "MDR line of elements with Coulomb friction (brush); rolling loss: "
 ON_LAYER = (
     "brush with the shear stiffness of the layer at one wave, pressure exact; rolling "
@@ -154,7 +160,17 @@ class _TractionScene(NamedTuple):
             xp.stack(xp.broadcast_arrays(xp.abs(self.creepage), velocity)), axis=0
         )
         given["velocity"] = xp.where(sliding > 0, sliding, law.velocity[0])
-        return law(**given), law.doubts_at(**given)
+        try:
+            return law(**given), law.doubts_at(**given)
+        except InputError as error:
+            if error.argument not in _MEANT:
+                raise
+            meant, unit = _MEANT[error.argument]
+            raise InputError(
+                argument="friction",
+                got=law,
+                accepted=f"a law that covers the {meant}, {error.got:.4g} {unit}",
+            ) from error
 
     def words(self, friction: Array) -> list[tuple[str, str]]:
         """Creepage and friction as inputs of the result."""
@@ -274,6 +290,13 @@ def _checked_friction(friction: ArrayLike | FrictionLaw) -> Any:
     if isinstance(friction, FrictionLaw):
         return friction
     least, most = _FRICTION
+    if isinstance(friction, Result):
+        raise InputError(
+            argument="friction",
+            got=friction,
+            accepted="a FrictionLaw, a number or an array of numbers",
+            hint="`.law()` of a FrictionCurve is its law",
+        )
     friction = as_float64("friction", friction)
     require(
         "friction",
@@ -685,7 +708,10 @@ def _carter(foundation: Foundation, scene: _TractionScene) -> Traction:
         scene.velocity, scene.temperature, load, Contact(half, half), True
     )
     accepted = "finite for a cylinder on a half-space (without slip Carter's traction diverges)"
-    require("friction", friction, accepted, lambda x: ~np.isinf(x))
+    converged = ~xp.isnan(friction)  # NaN where the friction law is not known
+    require(
+        "friction", xp.where(converged, friction, 0), accepted, lambda x: ~np.isinf(x)
+    )
     velocity, creepage, friction, load, modulus = xp.broadcast_arrays(
         *map(xp.asarray, (scene.velocity, scene.creepage, friction, load, modulus))
     )
@@ -709,7 +735,7 @@ def _carter(foundation: Foundation, scene: _TractionScene) -> Traction:
         contact=Contact(half, half),
         error=zero,
         model_error=ENDS.at(zero == 0),
-        converged=xp.ones(ratio.shape, bool),
+        converged=xp.broadcast_to(converged, ratio.shape),
         marks=_at_points((*doubts, *ENDS.marks(zero == 0), *deep), ratio.shape),
         temperature=None,
         model=CARTER,

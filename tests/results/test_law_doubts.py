@@ -1,0 +1,122 @@
+"""What a friction law does not know stays told, through files and into traction."""
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.errors import InputError, written
+from elastomdr.results.doubts import Doubt, where
+from elastomdr.results.uncertainty import Part, Uncertainty
+
+HOLED = em.FrictionLaw(
+    [0.01, 1.0, 100.0],
+    [0.5, 0.6, np.nan],
+    doubts=[
+        Doubt("not converged", np.array([False, False, True])),
+        Doubt("extrapolated", np.array([False, True, True]), "lie beyond 3 MHz", "a b"),
+    ],
+)
+ELASTIC = em.Prony(1e6, [], [])
+
+
+def test_a_law_keeps_what_did_not_converge_and_why():
+    at = where(HOLED.doubts_at([0.1, 10.0]), "not converged")
+    assert np.array_equal(np.asarray(at) | np.isnan(HOLED([0.1, 10.0])), [False, True])
+
+
+def test_a_file_of_a_law_keeps_its_doubts(tmp_path):
+    HOLED.to_csv(tmp_path / "law.csv")
+    assert em.load_friction(tmp_path / "law.csv").doubts == HOLED.doubts
+
+
+@pytest.mark.filterwarnings("ignore::elastomdr.ConvergenceWarning")
+@pytest.mark.parametrize("shape", [em.Cylinder(0.3, 0.2), em.Sphere(0.1)])
+def test_traction_in_a_hole_of_the_law_did_not_converge(shape):
+    pulled = em.traction(
+        ELASTIC,
+        shape,
+        velocity=100.0,
+        creepage=[1e-3, 0.5],
+        load=5.0,
+        friction=HOLED,
+    )
+    assert np.asarray(pulled.converged).tolist() == [True, False]
+    assert np.isnan(pulled.force).tolist() == [False, True]
+    assert where(pulled.doubts, "not converged").tolist() == [False, True]
+
+
+def test_traction_beyond_the_law_is_said_of_the_friction():
+    law = em.FrictionLaw([1.0, 2.0], [[0.5, 0.6]], pressure=[1e3])
+    for velocity in (10.0, 1e4):
+        with pytest.raises(InputError) as caught:
+            em.traction(
+                ELASTIC,
+                em.Cylinder(0.3, 0.2),
+                velocity=velocity,
+                creepage=0.1,
+                load=5e3,
+                friction=law,
+            )
+        assert caught.value.argument == "friction"
+        assert caught.value.got is law
+
+
+def test_a_curve_in_place_of_its_law():
+    curve = em.rolling(ELASTIC, em.Sphere(0.1), velocity=1.0, load=1.0)
+    with pytest.raises(InputError) as caught:
+        em.traction(
+            ELASTIC,
+            em.Sphere(0.1),
+            velocity=1.0,
+            creepage=0.1,
+            load=1.0,
+            friction=curve,
+        )
+    assert "FrictionLaw" in caught.value.accepted
+    assert ".law()" in caught.value.hint
+
+
+def test_a_band_has_the_doubts_of_its_friction():
+    share = np.array([0.1, 0.2])
+    bounds = [Part(name, share, "", "", share) for name in ("numerical", "model")]
+    held = Uncertainty(tuple(bounds), (Doubt("illustrative", np.array([False, True])),))
+    assert held.at([1]).doubts[0].points.tolist() == [True]
+    assert held.at([0]).doubts == ()
+    assert "illustrative" in held.summary()
+
+
+def test_a_class_of_models_is_written():
+    assert "Line" in written(em.Line)
+
+
+def test_the_ring_of_another_rubber():
+    ring = em.o_ring(
+        em.load_material("epdm-70"),
+        diameter=5e-3,
+        squeeze=0.2,
+        time=1.0,
+        temperature=293.15,
+    )
+    with pytest.raises(InputError) as caught:
+        em.leak(
+            ELASTIC,
+            em.SelfAffine(0.8, rms_slope=0.1, q_low=1e4, q_high=1e6),
+            o_ring=ring,
+            pressure_drop=1e5,
+            viscosity=1e-3,
+        )
+    assert caught.value.argument == "material"
+    assert "temperature" in caught.value.hint
+
+
+def test_the_place_of_a_material_that_is_refused():
+    rubber = em.load_material("epdm-70")
+    for i, pair in enumerate([[ELASTIC, rubber], [rubber, ELASTIC]]):
+        with pytest.raises(InputError) as caught:
+            em.rolling(pair, em.Sphere(0.1), velocity=1.0, load=1.0, temperature=293.15)
+        assert f"material[{i}]" in str(caught.value)
+    with pytest.raises(InputError) as caught:
+        em.rolling(
+            [rubber] * 2, em.Sphere(0.1), velocity=1.0, load=-1.0, temperature=293.15
+        )
+    assert "material" not in str(caught.value)
