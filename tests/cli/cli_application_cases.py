@@ -258,7 +258,7 @@ BAD_WHEELS = {
     "unknown key in slip": (("points", "point"), "Did you mean 'points'"),
     "slip the wrong way round": (
         ("from = 0.01", "from = 0.95"),
-        "slip: first must be above zero and below last",
+        "slip: from must be above zero and below to",
     ),
     "no structure": (
         ('[structure]\nstiffness = "80 MPa/m"', ""),

@@ -95,7 +95,7 @@ BAD_SCENES = {
     "negative velocity": (('"1e-3 m/s"', '"-1 m/s"'), "must be positive"),
     "velocities the wrong way round": (
         ('"1e3 mm/s"', '"1e-4 m/s"'),
-        "velocity: first must be above zero and below last",
+        "velocity: from must be above zero and below to",
     ),
     "one point": (("points = 4", "points = 1"), "points"),
     "half a point": (("points = 4", "points = 4.5"), "points"),

@@ -25,7 +25,7 @@ ROOMS = {
     "io": 37,
     "surface": 31,
     "app": 30,
-    "cli": 28,
+    "cli": 29,
     "material": 20,
     "sweeps": 16,
     "element": 20,

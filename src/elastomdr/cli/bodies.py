@@ -334,18 +334,35 @@ class SelfAffineTable(SurfaceTable, tag="self_affine"):
                 got=self.q_rolloff,
                 accepted="left out where rolloff is given",
             )
+        q = self._wave_numbers()
+        knee = q.get("q_rolloff", q["q_low"])
+        if self.rolloff is not None and knee < q["q_low"]:
+            raise InputError(
+                argument="rolloff",
+                got=self.rolloff,
+                accepted=f"at most the longest wave, {2 * math.pi / q['q_low']:g} m",
+            )
+        if self.shortest is not None and q["q_high"] <= knee:
+            raise InputError(
+                argument="shortest",
+                got=self.shortest,
+                accepted=f"below {2 * math.pi / knee:g} m, where the spectrum begins to "
+                "fall",
+            )
 
-    def make(self, folder: Path) -> Any:
+    def _wave_numbers(self) -> dict[str, float]:
         waves = {
             "q_low": self.longest,
             "q_high": self.shortest,
             "q_rolloff": self.rolloff,
         }
-        numbers = {
+        return {
             key: 2 * math.pi / wave for key, wave in waves.items() if wave is not None
-        }
-        keys = ("rms_slope", "rms_height", "q_low", "q_high", "q_rolloff")
-        return em.SelfAffine(self.hurst, **numbers, **given(self, *keys))
+        } | given(self, *waves)
+
+    def make(self, folder: Path) -> Any:
+        heights = given(self, "rms_slope", "rms_height")
+        return em.SelfAffine(self.hurst, **self._wave_numbers(), **heights)
 
 
 class SpectrumTable(SurfaceTable, tag="spectrum"):

@@ -22,6 +22,7 @@ from .schema import (
     Sweep,
     Table,
     Text,
+    as_typed,
     given,
     keys_of,
     named,
@@ -186,7 +187,7 @@ class Scene(Table):
         compare = getattr(self, "compare", None)
         if compare is None:
             return result
-        with named("[compare]"):
+        with named("[compare]"), as_typed(compare):
             return result.ranking(**given(compare))
 
     def said(self, result: Any) -> str:
@@ -209,16 +210,24 @@ class Scene(Table):
     def in_keys(self) -> Iterator[None]:
         """Calls the argument of an `InputError` by the key of the scene that holds it."""
         try:
-            yield
+            with as_typed(self):
+                yield
         except InputError as error:
-            for key in self.__struct_fields__:
-                table = getattr(self, key)
-                if isinstance(table, Table) and error.argument == key:
-                    error.called(f"[{key}]")
-                    break
-                if isinstance(table, Table) and error.argument in given(table):
-                    error.called(f"[{key}] {error.argument}")
-                    break
+            name = error.argument
+            tables = {key: getattr(self, key) for key in self.__struct_fields__}
+            tables = {k: t for k, t in tables.items() if isinstance(t, Table)}
+            if name in tables:
+                error.called(f"[{name}]")
+            elif name not in given(self) and (
+                home := [k for k, t in tables.items() if name in given(t)]
+            ):
+                with named(f"[{home[0]}]"), as_typed(tables[home[0]]):
+                    raise
+            elif name not in self.__struct_fields__ and (  # a key that is missing
+                home := [k for k, t in tables.items() if name in keys_of(type(t))]
+            ):
+                of_call = self.mark if self.mark in home else home[0]
+                error.called(f"[{of_call}] {name}")
             raise
 
     def rubber(self, folder: Path) -> Arguments:

@@ -5,6 +5,7 @@ key, the value and what is accepted.
 import abc
 import contextlib
 import inspect
+import math
 import textwrap
 import types
 from collections.abc import Callable, Container, Iterator, Mapping
@@ -296,9 +297,9 @@ def _several(kind: Any, entry: object, place: tuple[str | int, ...]) -> list[Any
 
                 return np.geomspace(span.first, span.last, span.points).tolist()
             raise InputError(
-                argument="first",
-                got=span.first,
-                accepted=f"above zero and below last, {span.last:g}",
+                argument="from",
+                got=entry["from"],
+                accepted=f"above zero and below to, {entry['to']}",
             )
     if not isinstance(entry, list) or origin is One:
         return [decode(inner, entry, place)]
@@ -346,10 +347,9 @@ def _decoded_table(
 
 
 def _missing(key: Key, place: tuple[str | int, ...]) -> InputError:
-    name = _name((*place, key.name))
-    written = name
-    if key.tables:
-        written = f"[[{name}]]" if key.listed else f"[{name}]"
+    written = _name((*place, key.name), bool(key.tables))
+    if key.tables and key.listed:
+        written = f"[{written}]"
     return InputError(argument=written, accepted=key.accepted, hint="it is missing")
 
 
@@ -366,11 +366,50 @@ def _refused(
 
 
 @contextlib.contextmanager
-def named(table: str) -> Iterator[None]:
-    """Puts the table before the argument of an `InputError`, unless it has one."""
+def as_typed(table: Table) -> Iterator[None]:
+    """Gives an `InputError` the value of a key as it was typed."""
     try:
         yield
     except InputError as error:
+        key = keys_of(type(table)).get(error.argument)
+        if key is not None and key.quantity is not None:
+            held = getattr(table, error.argument, None)
+            error.got = _typed(key.quantity, held, error.got)
+        raise
+
+
+def _typed(kind: type[SceneQuantity], held: object, got: object) -> object:
+    """What was typed for a value of a key, or the value with its unit where it is one
+    of a span.
+    """
+    if getattr(got, "ndim", None) == 0:
+        got = float(got)  # pyright: ignore[reportArgumentType]
+    if isinstance(got, list | tuple):
+        texts = [_typed(kind, held, each) for each in got]
+        return texts[0] if len(texts) == 1 else texts
+    if not isinstance(got, float | int) or isinstance(got, bool):
+        return got
+    for each in held if isinstance(held, tuple) else (held,):
+        if isinstance(each, SceneQuantity) and math.isclose(each, got, rel_tol=1e-9):
+            return each.typed or kind.in_unit(got)
+    return kind.in_unit(got)
+
+
+@contextlib.contextmanager
+def named(table: str) -> Iterator[None]:
+    """Puts the table before the argument of an `InputError`, unless it has one; its
+    quantities are as they were typed.
+    """
+    try:
+        yield
+    except InputError as error:
+        each = (
+            error.got[0]
+            if isinstance(error.got, list | tuple) and error.got
+            else error.got
+        )
+        if isinstance(each, SceneQuantity):
+            error.got = _typed(type(each), error.got, error.got)
         if table and not error.argument.startswith("["):
             error.called(f"{table} {error.argument}")
         raise
@@ -502,14 +541,16 @@ def _is_a(kind: Any, base: type) -> bool:
 
 
 def _name(steps: tuple[str | int, ...], table: bool = False) -> str:
-    """The place as messages call it, such as "[contact] load", "[stage 2] way" or
-    "[history] time[1]".
+    """The place as messages call it, such as "[contact] load", "[stage 2] way",
+    "[heat.road] conductivity" or "[history] time[1]".
     """
     if not steps:
         return ""
     if isinstance(steps[-1], int) and not table:
         return f"{_name(steps[:-1])}[{steps[-1]}]"
-    words = [f" {step + 1}" if isinstance(step, int) else str(step) for step in steps]
-    if table:
-        return f"[{''.join(words)}]"
-    return f"[{''.join(words[:-1])}] {words[-1]}" if words[1:] else words[0]
+    if not table and len(steps) == 1:
+        return str(steps[0])
+    first, *others = steps if table else steps[:-1]
+    words = (f" {step + 1}" if isinstance(step, int) else f".{step}" for step in others)
+    name = f"[{first}{''.join(words)}]"
+    return name if table else f"{name} {steps[-1]}"

@@ -98,6 +98,7 @@ class SceneQuantity(float):
     unit: ClassVar[str]  # SI
     example: ClassVar[str]
     sign: ClassVar[str] = "positive"  # or "zero or positive", or "" for either sign
+    typed: str = ""
 
     def __init_subclass__(
         cls, what: str = "", unit: str = "", example: str = "", sign: str | None = None
@@ -147,7 +148,16 @@ class SceneQuantity(float):
         if value and not 1 / _LARGEST < abs(value) < _LARGEST:
             limits = f"between {1 / _LARGEST:g} and {_LARGEST:g} {cls.unit}"
             raise InputError(argument=VALUE, got=entry, accepted=limits)
-        return cls(value)
+        quantity = cls(value)
+        quantity.typed = str(entry)
+        return quantity
+
+    @classmethod
+    def in_unit(cls, value: float) -> str:
+        """A number in SI units with its unit, a temperature in degrees Celsius."""
+        if cls.unit == "K":
+            return f"{value - 273.15:g} degC"
+        return f"{value:g} {cls.unit}".rstrip()
 
     @classmethod
     def accepted(cls) -> str:

@@ -1,0 +1,130 @@
+"""Errors of scenes name the key as it stands in the file, and the value as typed."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import elastomdr as em
+from elastomdr.cli.kinds import decoded
+from elastomdr.errors import InputError
+
+BODY = """
+material = "epdm-70"
+temperature = "20 degC"
+[indenter]
+shape = "sphere"
+radius = "5 mm"
+[contact]
+load = "10 N"
+velocity = "1 m/s"
+"""
+ROUGH = """
+material = "epdm-70"
+temperature = "20 degC"
+[surface]
+shape = "self_affine"
+hurst = 0.8
+rms_height = "3 um"
+longest = "200 um"
+shortest = "4 um"
+"""
+LEAK = f"""{ROUGH}
+[leak]
+pressure = "1 MPa"
+pressure_drop = "2 bar"
+viscosity = "0.05 Pa s"
+length = "1 mm"
+"""
+SLIDES = f"""{ROUGH}
+[contact]
+pressure = "1 MPa"
+velocity = "1 m/s"
+"""
+ROAD = """
+[heat]
+conductivity = "0.25 W/(m K)"
+heat_capacity = "2 MJ/(m^3 K)"
+[heat.road]
+"""
+SPAN = 'velocity = { from = "5 m/s", to = "1 m/s", points = 3 }'
+WAVE = "[surface] shortest"
+CASES = {
+    "a key of a nested table": (
+        ("friction", SLIDES + ROAD + 'conductivity = "-1.5 W/(m K)"'),
+        ("[heat.road] conductivity", "-1.5 W/(m K)"),
+    ),
+    "a missing key of a nested table": (
+        ("friction", SLIDES + ROAD + 'conductivity = "1.5 W/(m K)"'),
+        ("[heat.road] heat_capacity", None),
+    ),
+    "a span the wrong way round": (
+        ("friction", BODY.replace('velocity = "1 m/s"', SPAN)),
+        ("[contact] velocity", "5 m/s"),
+    ),
+    "a wave that is too short": (
+        ("friction", SLIDES.replace('"4 um"', '"0.5 mm"')),
+        (WAVE, "0.5 mm"),
+    ),
+    "a wave beyond the rolloff": (
+        ("friction", SLIDES.replace('"4 um"', '"60 um"\nrolloff = "50 um"')),
+        (WAVE, "60 um"),
+    ),
+    "a rolloff beyond the longest wave": (
+        ("friction", SLIDES.replace('"4 um"', '"4 um"\nrolloff = "1 mm"')),
+        ("[surface] rolloff", "1 mm"),
+    ),
+    "a key that is missing in the call": (
+        ("leak", LEAK.replace('length = "1 mm"', "")),
+        ("[leak] length", None),
+    ),
+    "another key that is missing in the call": (
+        ("leak", LEAK + 'outlet_pressure = "1 bar"'),
+        ("[leak] molar_mass", None),
+    ),
+    "two keys of which one is enough": (
+        ("friction", BODY.replace('load = "10 N"', 'load = "10 N"\ndepth = "1 mm"')),
+        ("[contact] depth", "1 mm"),
+    ),
+    "a value that the call refuses": (
+        ("leak", LEAK.replace('"2 bar"', '"3 MPa"')),
+        ("[leak] pressure_drop", "3 MPa"),
+    ),
+    "one of a list that the call refuses": (
+        ("leak", LEAK.replace('"2 bar"', '["2 bar", "3 MPa"]')),
+        ("[leak] pressure_drop", "3 MPa"),
+    ),
+    "a temperature outside of the shift table": (
+        ("leak", LEAK.replace('"20 degC"', '"200 degC"')),
+        ("temperature", "200 degC"),
+    ),
+    "one of a span that the call refuses": (
+        (
+            "leak",
+            LEAK.replace('"2 bar"', '{ from = "2 MPa", to = "8 MPa", points = 3 }'),
+        ),
+        ("[leak] pressure_drop", "8e+06 Pa"),
+    ),
+}
+
+
+def computed(verb, content):
+    scene = decoded(verb, content)
+    with scene.in_keys():
+        return getattr(em, scene.called())(**scene.arguments(Path()))
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_errors_name_key_and_value_as_typed(case):
+    (verb, text), (argument, got) = CASES[case]
+    with pytest.raises(InputError) as refused:
+        computed(verb, tomllib.loads(text))
+    assert refused.value.argument == argument
+    assert refused.value.got == got
+
+
+def test_the_ends_of_a_span_are_called_as_in_the_file():
+    with pytest.raises(InputError) as refused:
+        decoded("friction", tomllib.loads(BODY.replace('velocity = "1 m/s"', SPAN)))
+    assert [place for _, place in refused.value.places] == [""]
+    assert refused.value.subject == "from"
