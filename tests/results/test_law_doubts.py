@@ -27,6 +27,9 @@ def test_a_law_keeps_what_did_not_converge_and_why():
 def test_a_file_of_a_law_keeps_its_doubts(tmp_path):
     HOLED.to_csv(tmp_path / "law.csv")
     assert em.load_friction(tmp_path / "law.csv").doubts == HOLED.doubts
+    text = (tmp_path / "law.csv").read_text("utf-8").replace("# doubt, ", "# ")
+    (tmp_path / "curve.csv").write_text(text, "utf-8")  # as a curve's table has them
+    assert em.load_friction(tmp_path / "curve.csv").doubts == HOLED.doubts
 
 
 @pytest.mark.filterwarnings("ignore::elastomdr.ConvergenceWarning")

@@ -67,8 +67,8 @@ SHORT: dict[Kind, str] = {
     "illustrative": "illustrative moduli",
     "estimate": "an estimate",
 }
-# a line of `in_words`, as a comment
-_LINE = re.compile(r"# doubt, ([^:]+): \d+ of \d+ points (.*?)(; surer: (.*))?\s*")
+# a line of `in_words`, or of a result's summary, as a comment
+_LINE = re.compile(r"# (?:doubt, )?([^:]+): \d+ of \d+ points (.*?)(; surer: (.*))?\s*")
 TITLE = "doubts"  # of the column of a table that names the kinds of each point
 
 
