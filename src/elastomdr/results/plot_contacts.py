@@ -61,7 +61,8 @@ def draw_impact(result: Drawable, ask: DrawAsk) -> Axes:
     doubted = np.broadcast_to(np.ravel(sketch.dotted), fine.shape)
     curve, order = Curve((), ""), np.arange(fine.size)
     smooth = CubicSpline(time, force)(fine)
-    sketch.curve(DrawnLine(curve, order, fine, fine, smooth, colour, doubted))
+    line = DrawnLine(curve, order, fine, fine, smooth, colour, "-", doubted)
+    sketch.curve(line)
     turn = time.size // 2
     sketch.add(
         Dots(
