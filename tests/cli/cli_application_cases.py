@@ -275,7 +275,7 @@ BAD_WHEELS = {
     ),
     "outside of the table": (
         ('velocity = "25 m/s"', 'velocity = "250 m/s"'),
-        "within the friction law",
+        "friction must be a law that covers the velocity",
     ),
 }
 
