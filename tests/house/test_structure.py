@@ -97,7 +97,13 @@ def imports(path: Path, types: bool = False) -> list[tuple[str, ...]]:
             continue
         if isinstance(node, ast.ImportFrom):
             base = home[: len(home) - node.level] if node.level else ()
-            modules.append((*base, *(node.module or "").split(".")))
+            module = (*base, *filter(None, (node.module or "").split(".")))
+            modules.append(module)
+            modules += [  # files imported by name, as in `from . import road_models`
+                (*module, name.name)
+                for name in node.names
+                if SOURCE.joinpath(*module[1:], f"{name.name}.py").is_file()
+            ]
         elif isinstance(node, ast.Import):
             modules += [tuple(name.name.split(".")) for name in node.names]
     return modules
