@@ -54,6 +54,31 @@ def test_interface_to_diffrax():
     assert (solution.ys.u[:64] >= surface - 1e-15).all()
 
 
+@pytest.mark.filterwarnings("ignore:Explicitly requested dtype")
+def test_32_bits_are_refused_after_a_solve_in_64():
+    law, x = Foundation(1.2e6, [2.8e6], [2e-3]), np.linspace(-4e-3, 4e-3, 41)
+    ball = em.elements.MovingBody(
+        5e-3, surface=lambda place: -((x - place) ** 2) / 1e-2, spacing=x[1] - x[0]
+    )
+
+    def solved(start):
+        return diffrax.diffeqsolve(ball, ContactStep(), 0.0, 2e-5, 1e-5, start, law).ys
+
+    start = ball.start(law, sinking=1.0)
+    assert solved(start).depth.shape == (1,)
+    assert em.elements.energy(law, start).dtype == np.float64
+    with jax.enable_x64(False):
+        for argument, call in {
+            "y0": lambda: ball.start(law, sinking=1.0),
+            "y0 ": lambda: solved(start),
+            "state": lambda: em.elements.energy(law, start),
+            "state ": lambda: em.elements.forces(law, start),
+        }.items():
+            with pytest.raises(InputError) as caught:
+                call()
+            assert caught.value.argument == argument.strip()
+
+
 def test_batches_and_step_to():
     law = Foundation(1.0, [5.0], [0.1])
     times = jnp.asarray([0.0, 0.1, 0.3, 1.0])

@@ -186,6 +186,8 @@ def test_an_edge_faster_than_its_table_is_extrapolated():
     fast = np.nan_to_num(abs(found.edge_speed)) > 1e-5
     assert 0 < fast.sum() < fast.size
     assert (found.extrapolated == fast).all()
+    elastic = cycle(ELASTIC, adhesion=em.Adhesion(WORK, edge=edge))  # no table is used
+    assert elastic.extrapolated is None
 
 
 def test_strength_is_a_cutoff():

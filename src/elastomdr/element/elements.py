@@ -193,6 +193,7 @@ class MovingBody(AbstractOverElements):
             and load, and `damped` [J].
         """
         place, load = (jnp.asarray(_at(x, t0), float) for x in (self.drive, self.load))
+        _in_64_bits("y0", (place, load))
         scene = self._scene(law)
         body = untouched(scene, place, viscous=True)
         depth = jnp.asarray(depth, float)
@@ -293,7 +294,8 @@ def forces(law: AbstractRelaxation, state: Elements | BodyMotion) -> ElementForc
         distance of the elements they are forces [N].
     """
     line = _elements(state)
-    return ElementForces(line.q, law.equilibrium * line.u, line.f)
+    found = ElementForces(line.q, law.equilibrium * line.u, line.f)
+    return _in_64_bits("state", found)
 
 
 def energy(law: AbstractRelaxation, state: Elements | BodyMotion) -> Float[Array, " n"]:
@@ -306,7 +308,21 @@ def energy(law: AbstractRelaxation, state: Elements | BodyMotion) -> Float[Array
             what was dissipated.
     """
     line = _elements(state)
-    return 0.5 * law.equilibrium * line.u**2 + line.stored
+    return _in_64_bits("state", 0.5 * law.equilibrium * line.u**2 + line.stored)
+
+
+def _in_64_bits(argument: str, values: Any) -> Any:
+    """The values as they are. Raises `InputError` where JAX would round them."""
+    for leaf in jax.tree.leaves(values):
+        if leaf.dtype != jnp.float64:
+            raise InputError(
+                argument=argument,
+                got=str(leaf.dtype),
+                accepted="of 64 bits",
+                hint="put `with jax.enable_x64(True):` around the call, or set "
+                "JAX_ENABLE_X64=1",
+            )
+    return values
 
 
 def _elements(state: Elements | BodyMotion) -> Elements | LineMemory:
@@ -407,15 +423,8 @@ class ContactStep(diffrax.AbstractSolver):
     ) -> None:
         if isinstance(_term(terms), Blocks):
             return
-        for leaf in jax.tree.leaves(y0):
-            if leaf.dtype != jnp.float64:
-                raise InputError(
-                    argument="y0",
-                    got=str(leaf.dtype),
-                    accepted="of 64 bits",
-                    hint="put `with jax.enable_x64(True):` around the call, or set "
-                    "JAX_ENABLE_X64=1",
-                )
+        # what JAX makes here has as many as it was told, whatever the state has
+        _in_64_bits("y0", (y0, jnp.zeros(())))
         law = isinstance(args, Foundation | Relaxation)
         if not law or getattr(args, "softening", None) is not None:
             raise InputError(

@@ -302,7 +302,8 @@ def indent(
 
     bound = bound_on(foundation, Bound())
     if bonds is not None and not bound.warns:
-        beyond += _beyond_table(bonds, solution)
+        if not certain(lambda moduli: not moduli.any(), law.moduli):
+            beyond += _beyond_table(bonds, solution)
         bound = _bound_on_edge(law, disc, bonds, solution)
         if fast is not None:
             bound = bound._replace(size=np.where(fast, np.nan, bound.size))
