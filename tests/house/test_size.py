@@ -16,7 +16,7 @@ import elastomdr as em
 SOURCE = Path(em.__file__).parent
 # Thousands of syntax nodes (`ast.walk`), begun ones counted
 ROOMS = {
-    "transient": 67,
+    "transient": 68,
     "rough": 65,
     "fit": 68,
     "smooth": 49,

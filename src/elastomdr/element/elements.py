@@ -311,7 +311,7 @@ def energy(law: AbstractRelaxation, state: Elements | BodyMotion) -> Float[Array
     return _in_64_bits("state", 0.5 * law.equilibrium * line.u**2 + line.stored)
 
 
-def _in_64_bits(argument: str, values: Any) -> Any:
+def _in_64_bits(argument: str, values: PyTree) -> PyTree:
     """The values as they are. Raises `InputError` where JAX would round them."""
     for leaf in jax.tree.leaves(values):
         if leaf.dtype != jnp.float64:
