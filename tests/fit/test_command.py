@@ -202,6 +202,20 @@ def test_calibrated_scene_gives_the_calibrated_curve(tmp_path, monkeypatch, caps
     assert main(["friction", "new/rig-calibrated.toml", "--out", "new"]) == 0
 
 
+def test_a_column_of_measured_friction_can_be_named(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_rig(tmp_path, ";5")
+    text = (tmp_path / "rig.csv").read_text()
+    (tmp_path / "rig.csv").write_text(text.replace("mu [%]", "F3 [%]", 1))
+    command = ["calibrate", "rig.toml", "--measured", "rig.csv", "--out", "new"]
+    asked = [*command, "--parameters", "q_high"]
+    assert main(asked) == 2
+    assert "--column" in capsys.readouterr().err
+    assert main([*asked, "--column", "mu=F3 [%]"]) in (0, 3)
+    # a scene could not read the file that it would name
+    assert "measured" not in (tmp_path / "new" / "rig-calibrated.toml").read_text()
+
+
 def test_calibration_of_heights_alone(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     write_rig(tmp_path)

@@ -426,13 +426,14 @@ def calibrated(
     parameters: Sequence[str],
     *,
     measured: Path | None = None,
+    columns: Sequence[str] = (),
     draws: int = 0,
     stem: str = "friction",
 ) -> Calibrated:
     """A scene of friction with what measured points say of it; its files, whose names
     begin with `stem`, go beside it. The points are those of the scene unless others are
-    given. The errors of its surface are what is known
-    beforehand. Raises `InputError`.
+    given, with `columns` by quantity, such as "mu=4". The errors of its surface are
+    what is known beforehand. Raises `InputError`.
     """
     import numpy as np
 
@@ -460,7 +461,7 @@ def calibrated(
     }
     scene: Any = decoded("friction", plain)
     with quiet(em.fit.FitWarning), path_from("measured"):
-        data = em.read_friction(file)
+        data = em.read_friction(file, columns=dict(map(_column, columns)))
     given: Any = scene.arguments(folder) | {"velocity": data.velocity}
     if data.temperature is not None:
         given["temperature"] = data.temperature
@@ -538,6 +539,7 @@ def run_calibration(options: argparse.Namespace) -> int:
                 path.parent,
                 [name.strip() for name in options.parameters.split(",")],
                 measured=options.measured and Path(options.measured),
+                columns=options.column,
                 draws=options.draws,
                 stem=path.stem,
             )
@@ -547,7 +549,9 @@ def run_calibration(options: argparse.Namespace) -> int:
         elif not error.places:
             error.inside(path.name)
         raise
-    scene: Any = done.content | {"measured": os.path.relpath(done.measured, folder)}
+    scene: Any = dict(done.content)
+    if not options.column:  # which a scene cannot name: it could not read the file
+        scene["measured"] = os.path.relpath(done.measured, folder)
     for table in scene.values():
         if isinstance(table, dict) and isinstance(file := table.get("file"), str):
             table["file"] = os.path.relpath(path.parent / file, folder)

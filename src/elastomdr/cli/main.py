@@ -243,6 +243,13 @@ def _add_calibrate(command: _Parser) -> None:
         "known (default: the scene's own)",
     )
     add(
+        "--column",
+        metavar="ROLE=N",
+        action="append",
+        default=[],
+        help="a column of the points by title or number, such as mu=Reibbeiwert",
+    )
+    add(
         "--parameters",
         metavar="NAMES",
         default="q_high,shear",

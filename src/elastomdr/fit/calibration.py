@@ -303,7 +303,8 @@ class Calibration(AbstractFindings):
         )
 
     def interval(self, name: str, share: float = 0.95) -> tuple[float, float]:
-        """What holds a parameter with a probability of `share`: quantiles of the draws,
+        """What holds a parameter with a probability of `share`, as `parameters` has it
+        (log10 of a factor to the start; `in_units` has units): quantiles of the draws,
         without them by its standard deviation. Raises `InputError`.
         """
         one_of("name", name, *self.parameters)
