@@ -18,10 +18,6 @@ from typing import NamedTuple
 _PACKAGE = os.path.dirname(__file__) + os.sep
 
 
-# of an error that tells of no value
-_UNTOLD = object()
-
-
 class InputError(ValueError):
     """Raised for input that has no meaning: it names the argument, the value and what
     is accepted.
@@ -29,17 +25,17 @@ class InputError(ValueError):
     Args:
         argument: its name, as it was typed; also an attribute of the error.
         accepted: what is accepted, in words that follow "must be", likewise.
-        got: the value that is refused, likewise; None where it is not told.
+        got: the value that is refused, likewise; None where nothing was given, or it
+            is not told.
         hint: what to do, in words, likewise; an advice may be in it.
     """
 
     def __init__(
-        self, *, argument: str, accepted: str, got: object = _UNTOLD, hint: str = ""
+        self, *, argument: str, accepted: str, got: object = None, hint: str = ""
     ):
         super().__init__()
         self.argument, self.accepted, self.hint = argument, accepted, hint
-        self.tells_got = got is not _UNTOLD
-        self.got = got if self.tells_got else None
+        self.got = got
         # what holds it, outermost first: the argument that names a file, and the file
         self.places: tuple[tuple[str, str], ...] = ()
         # what the sentence begins with, which may say more than the argument
@@ -65,7 +61,7 @@ class InputError(ValueError):
         hint, accepted = (told(x, shown, advice) for x in (self.hint, self.accepted))
         if hint:
             hint = f". {hint.strip()}" if hint.endswith(("?", ".")) else f": {hint}."
-        got = f", got {(shown or written)(self.got)}" if self.tells_got else ""
+        got = "" if self.got is None else f", got {(shown or written)(self.got)}"
         places = (
             f"{called(argument) if argument else ''} {place}".strip()
             for argument, place in self.places
@@ -231,7 +227,7 @@ def closest(word: str, valid: Iterable[str]) -> str:
     """Returns " Did you mean 'x'?" for the valid word nearest to `word`, or an empty
     string.
     """
-    near = difflib.get_close_matches(word, list(valid), n=1, cutoff=0.5)
+    near = difflib.get_close_matches(word, list(valid), n=1, cutoff=0.65)
     return f" Did you mean {near[0]!r}?" if near else ""
 
 

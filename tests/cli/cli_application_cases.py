@@ -300,7 +300,7 @@ BAD_DRIVES = {
         "[drive] normal_force must be",
     ),
     "a depth": (('pressure = "0.5 MPa"', 'depth = "1 um"'), "stages with a load"),
-    "no load": (('pressure = "0.5 MPa"', 'pressure = "0 MPa"'), "a load above zero"),
+    "no load": (('pressure = "0.5 MPa"', 'pressure = "0 MPa"'), "load above zero"),
     "a jump of the load": (
         ("[numerics]", '[[stage]]\nduration = "1 ms"\npressure = "1 MPa"\n[numerics]'),
         "ascending, without repeats",

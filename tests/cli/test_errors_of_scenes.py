@@ -123,6 +123,18 @@ def test_errors_name_key_and_value_as_typed(case):
     assert refused.value.got == got
 
 
+@pytest.mark.parametrize(
+    ("wrong", "near"),
+    [("longst", "longest"), ("hurts", "hurst"), ("first", None), ("wave", None)],
+)
+def test_only_near_misses_are_offered(wrong, near):
+    text = SLIDES.replace("longest", wrong) if near else SLIDES + f"{wrong} = 1"
+    with pytest.raises(InputError) as refused:
+        decoded("friction", tomllib.loads(text))
+    assert ("Did you mean" in refused.value.hint) == bool(near)
+    assert near is None or repr(near) in refused.value.hint
+
+
 def test_the_ends_of_a_span_are_called_as_in_the_file():
     with pytest.raises(InputError) as refused:
         decoded("friction", tomllib.loads(BODY.replace('velocity = "1 m/s"', SPAN)))

@@ -160,6 +160,7 @@ def test_bad_input_is_one_clear_line():
         with pytest.raises(InputError, match=named) as caught:
             em.fit.softening(data)
         assert "\n" not in str(caught.value)
+    assert caught.value.got == [1.0, 2.0]
     with pytest.raises(InputError, match="form"):
         em.fit.softening(good, form="cubic")
 

@@ -49,5 +49,8 @@ def test_of_several_materials_and_of_your_own():
 
 
 def test_only_results_have_references():
-    with pytest.raises(em.InputError, match=r"got Sphere"):
-        em.cite(em.Sphere(1.0))
+    for given in (em.Sphere(1.0), 3):
+        with pytest.raises(em.InputError) as error:
+            em.cite(given)
+        assert error.value.argument == "result"
+        assert error.value.got is given

@@ -113,7 +113,7 @@ def test_tables(tmp_path):
     (tmp_path / "mixed.csv").write_text("\n".join(mixed))
     np.testing.assert_array_equal(em.load_friction(tmp_path / "mixed.csv").mu, law.mu)
     (tmp_path / "mixed.csv").write_text("\n".join(mixed[:-1]))
-    with pytest.raises(em.InputError, match=r"fill a grid.*1 missing"):
+    with pytest.raises(em.InputError, match=r"a full grid.*1 missing"):
         em.load_friction(tmp_path / "mixed.csv")
     (tmp_path / "wrong.csv").write_text(
         "velocity [mm/s],friction coefficient [-]\n1,0.5\n"

@@ -282,9 +282,19 @@ def test_bad_input(changes, message):
         impact(RUBBER, **changes)
 
 
+def test_a_table_of_impacts_without_a_bound_has_its_doubts():
+    springs = em.springs(em.KelvinVoigt(1e6, 1.0), 0.01, bonded=False)
+    found = em.impact(springs, BALL, mass=[[M], [2 * M], [3 * M]], velocity=[V, 2 * V])
+    (doubt,) = (x for x in found.doubts if x.kind == "no prediction")
+    assert np.shape(doubt.points) == np.shape(found.restitution) == (3, 2)
+
+
 def test_bad_scenes():
-    with refused("material", "Cylinder", "em.springs"):
-        em.impact(em.KelvinVoigt(1e6, 1.0), em.Cylinder(R, 0.1), mass=M, velocity=V)
+    given = em.KelvinVoigt(1e6, 1.0)
+    with pytest.raises(em.InputError, match=r"em\.springs.*Cylinder") as error:
+        em.impact(given, em.Cylinder(R, 0.1), mass=M, velocity=V)
+    assert error.value.argument == "material"
+    assert error.value.got is given
     with refused("material", "[]"):
         em.impact([], BALL, mass=M, velocity=V)
     kinds = [

@@ -246,7 +246,7 @@ def test_depth_and_load_in_turn():
     [
         ("work", {"work": -1.0}),
         ("cutoff", {"work": WORK, "cutoff": 0.0}),
-        ("strength", {"work": WORK, "cutoff": 1e-7, "strength": 1e6}),
+        ("cutoff", {"work": WORK, "cutoff": 1e-7, "strength": 1e6}),
         ("edge", {"work": WORK, "edge": "viscous"}),
         ("edge", {"work": WORK, "edge": ([1.0, 0.1], [1.0, 2.0])}),
         ("edge", {"work": WORK, "edge": ([0.1, 1.0], [0.5, 2.0])}),
@@ -256,6 +256,7 @@ def test_refuses(argument, options):
     with pytest.raises(em.InputError) as refused:
         em.Adhesion(**options)
     assert refused.value.argument == argument
+    assert np.isin(refused.value.got, options[argument]).all()
 
 
 @pytest.mark.parametrize("nothing", [0.0, em.Adhesion(0.0, cutoff=1e-7)])

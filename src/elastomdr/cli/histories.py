@@ -451,7 +451,7 @@ class SurfaceDrive(DriveTable):
         if load is None or not load[-1] > 0:
             raise InputError(
                 argument="[drive]",
-                accepted="left out, or with a load above zero in the last stage",
+                accepted="left out where the last stage has no load above zero",
             )
         return whole.for_line(float(load[-1]), self.normal_force)
 

@@ -95,7 +95,9 @@ def _refuse(verb: str, kind: type[Scene], key: str, table: bool) -> None:
     name = f"[{key}]" if table else key
     if any(key in keys_of(other) for other in KINDS[verb]):
         raise InputError(
-            argument=name, accepted="left out of a scene of this kind", hint=about(kind)
+            argument=name,
+            accepted="left out of a scene of this kind",
+            hint=f'it is one of "{about(kind).rstrip(".")}"',
         )
     homes = [
         home

@@ -396,9 +396,12 @@ class ContactStep(diffrax.AbstractSolver):
     steps, all in metres: of the displacement of each element, its force divided by the
     glassy modulus, and of depth and place of a body. `atol` is a length, and a solve
     takes three times as long. Differentiable by every adjoint of diffrax that goes
-    through the solver: `ForwardMode`, `RecursiveCheckpointAdjoint`, `DirectAdjoint`. Of
-    diffrax itself `RecursiveCheckpointAdjoint` can lose an instant of `SaveAt(ts=...)`
-    that a step ends on (`docs/your-own-scene.md`).
+    through the solver: `ForwardMode`, `RecursiveCheckpointAdjoint`, `DirectAdjoint`.
+
+    Not for `SaveAt(ts=...)` at instants that a step ends on: `RecursiveCheckpointAdjoint`
+    of diffrax 0.7.2, the default, can leave out their derivative without a word, with
+    any solver. Let steps end there by `StepTo(ts=...)`, or take `SaveAt(steps=True)` or
+    `ForwardMode`.
 
     Raises `InputError` for a state of 32 bits and for args that are no law.
     """

@@ -321,7 +321,7 @@ def _values(sweep: Dma | Mapping[str, Any]) -> dict[str, np.ndarray]:
     if not isinstance(sweep, Mapping) or not set(names) <= set(sweep):
         raise InputError(
             argument="strain_sweep",
-            got=type(sweep).__name__,
+            got=sweep,
             accepted='a Dma with strain amplitudes, or a mapping with "strain", '
             '"storage" and "loss"',
         )

@@ -360,7 +360,7 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
             argument="path",
             got=name,
             accepted="a text file that can be read",
-            hint=str(error),
+            hint=str(getattr(error, "strerror", None) or error),
         ) from error
     places = {}
     for key, titles in _TITLES.items():
@@ -422,8 +422,7 @@ def gridded(
         raise InputError(
             argument=names[-1],
             got=points[names[-1]],
-            accepted=f"such that {', '.join(names)} fill a grid, every combination "
-            "once",
+            accepted=f"of a full grid of {' and '.join(names)}, every combination once",
             hint=f"{' x '.join(map(str, shape))} values, {points['mu'].size} points, "
             f"{int((count == 0).sum())} missing and {int((count > 1).sum())} "
             "repeated",

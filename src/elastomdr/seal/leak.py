@@ -501,7 +501,7 @@ def _seal(
     only_one({"pressure": pressure, "profile": profile, "o_ring": ring})
     if pressure is not None:
         if length is None:
-            raise InputError(argument="length", accepted="given with pressure [m]")
+            raise InputError(argument="length", accepted="given where pressure is")
         return _Seal(pressure, length, pressure)
     untraced(
         _pressure_alone(),

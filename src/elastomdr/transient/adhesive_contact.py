@@ -177,8 +177,9 @@ class Adhesion(Tree):
                 positive(name, number)
         if cutoff is not None and strength is not None:
             raise InputError(
-                argument="strength",
-                accepted="left out where cutoff is given",
+                argument="cutoff",
+                got=cutoff,
+                accepted="left out where strength is given",
                 hint="both say the same",
             )
         fill(self, work=scalar("work", work), **lengths, edge=_edge(edge))

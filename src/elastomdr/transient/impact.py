@@ -230,6 +230,7 @@ def _report(
     def series(field: Array) -> Any:
         return nan_unless(good, field).T.reshape((*scene.shape, -1))
 
+    converged = good.reshape(scene.shape)
     duration = shaped(nan_unless(solution.timed, motion.duration))
     beyond = _judge(scene, duration)
     history = ObliqueHistory(
@@ -257,14 +258,14 @@ def _report(
         history=history,
         oblique=oblique,
         error=nan_unless(good, solution.error).reshape(scene.shape),
-        model_error=bound.at(good).reshape(scene.shape),
+        model_error=bound.at(converged),
         stuck=solution.stuck.reshape(scene.shape),
-        converged=good.reshape(scene.shape),
+        converged=converged,
         temperature=scene.temperature,
         model=scene.model,
         plan="velocities as the grid, extrapolated in the number of steps",
         inputs=scene.inputs,
-        marks=(*beyond, *bound.marks(good), *deep),
+        marks=(*beyond, *bound.marks(converged), *deep),
         origins=_origins(scene) if scene.many else (),
     )
 
@@ -424,7 +425,7 @@ def _struck(material: Any, shape: AbstractShape, many: bool, oblique: bool) -> _
             accepted="one em.layer in an impact, no list with one",
         )
     foundations = [as_foundation(m) for m in (material if many else [material])]
-    per_area = standing(foundations, shape)
+    per_area = standing(foundations, material, shape)
     model = LAYER if per_area else HALF_SPACE
     return _Struck(shape, foundations, per_area, model)
 

@@ -447,8 +447,9 @@ def of_layer(material: Layer, shape: AbstractShape) -> tuple[LayerDisc, Foundati
             argument="shape",
             got=shape,
             accepted="axisymmetric in a normal contact on an em.layer",
-            hint="em.rolling and em.friction take a Cylinder, or "
-            "em.springs(material, thickness) here",
+            hint="em.rolling and em.friction take a Cylinder; here it is known on "
+            "em.springs(material, thickness), in a scene springs = true, with bonded "
+            "= false if the layer is incompressible",
         )
     if material.other is not None:
         raise InputError(

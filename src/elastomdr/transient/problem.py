@@ -374,7 +374,7 @@ def check_shape(shape: object) -> None:
         )
 
 
-def standing(foundations: list[Foundation], shape: object) -> bool:
+def standing(foundations: list[Foundation], material: object, shape: object) -> bool:
     """Whether the scene is one on a layer. Raises `InputError` for what is no shape, and
     where half-space and shape do not go together.
     """
@@ -387,7 +387,7 @@ def standing(foundations: list[Foundation], shape: object) -> bool:
         )
     per_area = kinds.pop()
     if cylinder and not per_area:
-        raise no_cylinder(foundations)
+        raise no_cylinder(material)
     return per_area
 
 
@@ -396,9 +396,10 @@ def no_cylinder(material: object) -> InputError:
     return InputError(
         argument="material",
         got=material,
-        accepted="a layer under a Cylinder",
-        hint="use em.springs(material, thickness); a cylinder on a half-space is no "
-        "MDR problem",
+        accepted="independent springs, em.springs(material, thickness), under a "
+        "Cylinder",
+        hint="a cylinder on a half-space is no MDR problem; in a scene the springs are "
+        "a [layer] with springs = true, with bonded = false if it is incompressible",
     )
 
 

@@ -151,7 +151,7 @@ def shear(
         TRACED,
     )
     laws = both_laws(material, tangential)
-    per_area = standing([laws[0]], shape)
+    per_area = standing([laws[0]], material, shape)
     name = only_one({"load": load, "depth": depth})
     given = _check(laws, time, name, depth if load is None else load, displacement)
     mu = scalar("friction", friction)

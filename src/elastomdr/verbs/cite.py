@@ -57,7 +57,7 @@ def cite(result: Result) -> str:
     if not isinstance(result, Result):
         raise InputError(
             argument="result",
-            got=type(result).__name__,
+            got=result,
             accepted="what a verb such as em.friction returns",
         )
     signs = [type(result).__name__, result.model, *(name for name, _ in result.inputs)]
