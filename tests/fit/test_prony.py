@@ -226,7 +226,7 @@ def test_data_that_contradict_each_other_are_said_to():
 def test_refusals():
     storage, loss = moduli(SOLID)
     for call, said in (
-        (lambda: em.fit.prony(OMEGA, storage), "loss is missing"),
+        (lambda: em.fit.prony(OMEGA, storage), "loss must be given"),
         (
             lambda: em.fit.prony([1.0, 1.0], [1e6, 1e6], [1e5, 1e5]),
             "range of frequencies",

@@ -68,7 +68,7 @@ def test_entropic_and_table():
         ),
         (
             lambda: em.half_space(RUBBER, em.Prony(*SERIES, shift=WLF)),
-            ("other", "same vertical"),
+            ("other", "the vertical one of material"),
         ),
         (lambda: em.Prony(*SERIES).at(300.0), ("", "shift law")),
     ],

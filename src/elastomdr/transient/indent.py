@@ -279,7 +279,7 @@ def indent(
     rtol = check_rtol(rtol, "1e-10", "1e-2")
     _check_depth(disc, course)
     if bonds is not None:
-        _check_adhesion(law, disc, bonds)
+        _check_adhesion(law, disc, bonds, adhesion)
     solution = _solve(law, disc, course, bonds, rtol)
     edge = solution.edge
     if isinstance(disc, LayerDisc):
@@ -475,11 +475,14 @@ def _adhesion(adhesion: Adhesion | Number | None) -> Adhesion | None:
     return None if certain(lambda work: work == 0, adhesion.work) else adhesion
 
 
-def _check_adhesion(law: Relaxation, disc: Disc, bonds: Adhesion) -> None:
+def _check_adhesion(
+    law: Relaxation, disc: Disc, bonds: Adhesion, given: Adhesion | Number | None
+) -> None:
     """Raises `InputError` for what has no adhesive contact."""
     if isinstance(disc, LayerDisc):
         raise InputError(
             argument="adhesion",
+            got=given,
             accepted="left out on an em.layer",
             hint="it is known for half-spaces and springs only",
         )
