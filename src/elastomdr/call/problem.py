@@ -65,21 +65,21 @@ class SteadyScene(NamedTuple):
     foundation: Any
     name: str  # of what is given: load, depth or pressure
     shape: tuple[int, ...]  # of all of them, broadcast
-    velocity: Any  # as given [m/s]
-    value: Any  # load, depth or pressure as given
-    temperature: Any  # as given [K], or None
-    reduced: Any  # v a_T [m/s], of the broadcast shape
+    velocity: Array  # as given [m/s]
+    value: Array  # load, depth or pressure as given
+    temperature: Array | None  # as given [K]
+    reduced: Array  # v a_T [m/s], of the broadcast shape
     # b_T, of the broadcast shape: forces over b_T are those of the material at its
     # reference
-    vertical: Any
+    vertical: Array
     traced: bool
-    direction: Any = None  # of sliding, to the lay of a surface [rad], or None
+    direction: Array | None  # of sliding, to the lay of a surface [rad]
 
     def full(self, array: Array | float | None) -> Any:
         """`array` in the broadcast shape; None stays None."""
         return None if array is None else np.zeros(self.shape) + array
 
-    def at_reference(self) -> Any:
+    def at_reference(self) -> Array:
         """Load or pressure over b_T, or the depth, at each point, flat."""
         value = self.full(self.value)
         return (value if self.name == "depth" else value / self.vertical).ravel()
@@ -127,12 +127,16 @@ def steady_scene(
     if temperature is not None:
         _check_shift(temperature, velocity, factor)
     traced = is_traced(foundation, body, velocity, value, temperature, direction)
-    scene = SteadyScene(
-        foundation, name, shape, velocity, value, temperature, None, None, traced
-    )
-    return scene._replace(
-        reduced=scene.full(velocity * factor),
-        vertical=scene.full(vertical),
+    return SteadyScene(
+        foundation,
+        name,
+        shape,
+        velocity,
+        value,
+        temperature,
+        reduced=np.zeros(shape) + velocity * factor,
+        vertical=np.zeros(shape) + vertical,
+        traced=traced,
         direction=direction,
     )
 

@@ -81,8 +81,8 @@ def points_of(foundation: Foundation, asked: Asked, points: int) -> ReferencePoi
     return ReferencePoints(
         steady,
         control,
-        steady.at_reference(),
-        steady.vertical.ravel(),
-        steady.reduced.ravel(),
+        np.ravel(steady.at_reference()),
+        np.ravel(steady.vertical),
+        np.ravel(steady.reduced),
         int(points),
     )

@@ -62,7 +62,7 @@ class _Solver:
 
     def cold(self) -> Mean:
         """The points of the scene, at the temperatures that are given."""
-        mean = self.mean(self.scene.at.reduced.ravel(), self.scene.given)
+        mean = self.mean(np.ravel(self.scene.at.reduced), self.scene.given)
         # nothing is lost, and what is left is rounding
         if not np.any(self.law.moduli) and not float(self.law.viscosity):
             mean = mean._replace(mu=0 * mean.mu, error=0 * mean.error)
@@ -184,9 +184,11 @@ def _judge(scene: RoughScene, cold: Mean, warm: Flash | None) -> _LineAnswer:
         error = error + SETTLED * np.abs(mean.mu - cold.mu)
     coarse = mean.good & coarse_at(error, mean.mu)
     good = mean.good & ~coarse
-    reduced = points.reduced if warm is None else warm.reduced.reshape(points.shape)
-    vertical = points.vertical.ravel() if warm is None else warm.vertical
-    return _LineAnswer(mean, cold.mu, warm, reduced, vertical, error, good)
+    reduced = np.ravel(points.reduced) if warm is None else warm.reduced
+    vertical = np.ravel(points.vertical) if warm is None else warm.vertical
+    return _LineAnswer(
+        mean, cold.mu, warm, reduced.reshape(points.shape), vertical, error, good
+    )
 
 
 def _warn_of_failed(
@@ -315,7 +317,7 @@ def rough_plan(call: RoughCall, model: LineModel) -> RoughPlan:
 def _plan(scene: RoughScene, call: RoughCall, model: LineModel) -> RoughPlan:
     points, (line, *_) = scene.at, scene.lines
     ask = LinePoints(
-        points.reduced.ravel(), scene.given, scene.control, float(call.rtol)
+        np.ravel(points.reduced), scene.given, scene.control, float(call.rtol)
     )
     name = points.foundation.name or "a foundation given directly"
     return RoughPlan(

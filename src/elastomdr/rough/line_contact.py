@@ -84,7 +84,7 @@ def line_contact(
     for name, value in vars(asked).items():
         if np.size(value) != 1:
             raise InputError(argument=name, got=value, accepted="a single number")
-    ask = LinePoints(points.reduced.ravel(), scene.given, scene.control, float(rtol))
+    ask = LinePoints(np.ravel(points.reduced), scene.given, scene.control, float(rtol))
     field = _field(ask.on(scene.lines[0]), points.foundation.law())
     warn_unless(field.line.converged, "points")
     known = points.foundation.range

@@ -29,6 +29,7 @@ from .problem import RoughCall
 if TYPE_CHECKING:
     from .._types import Number
     from ..call.types import Surface
+    from ..checks import Array
 
 # p/(E*(0) rms slope) up to which the book's rule is one of light contact
 # (docs/rough.md)
@@ -108,13 +109,13 @@ def check(call: RoughCall, model: Line) -> RoughScene:
     which = seeds_of(model.seeds)
     length, rule = _length(surface, points.name, model.equivalent_length)
     lines = ensemble(surface, model.samples, model.periods, which)
-    given = points.at_reference() if length is None else points.at_reference() * length
+    given = np.ravel(points.at_reference())
     return RoughScene(
         points,
         lines,
         which,
         "depth" if points.name == "depth" else "load",
-        given,
+        given if length is None else given * length,
         length,
         rule,
     )
@@ -176,7 +177,7 @@ def _length(
 def load_level(
     foundation: Foundation,
     surface: Surface,
-    pressure: np.ndarray,
+    pressure: Array,
     rule: Number | str | None,
 ) -> list[tuple[str, str]]:
     """For results: p/(E*(0) rms slope), half the share of relaxed rubber that touches

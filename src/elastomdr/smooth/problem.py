@@ -250,7 +250,9 @@ def check(call: SmoothCall, softens: bool = True) -> SmoothScene:
     body = describe(shape)
     name = f"{body} on {foundation.name or ('a layer' if layer else 'a half-space')}"
     check_softening(foundation, lines)
-    spread = None if points.traced else _softened_too(foundation, control, value)
+    spread = (
+        None if points.traced else _softened_too(foundation, control, np.asarray(value))
+    )
     passing = None if spread is None else np.tile(reduced, spread.size // reduced.size)
     asked = PlanAsked(
         call.quantity,
