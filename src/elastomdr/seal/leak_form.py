@@ -197,23 +197,30 @@ class FittedChannels(Channels):
             numbers = _with_slopes(counts, rough.direction)(shared, points)
         else:
             numbers = _numbers(rough, relative_pressure)
-        flow, gap, area, critical, error, model_error = numbers
         return GapFlow(
-            flow=flow,
-            gap=gap,
-            critical_gap=critical,
-            area=area,
-            error=error,
-            model_error=model_error,
-            good=xp.isfinite(flow),
+            flow=numbers.flow,
+            gap=numbers.gap,
+            critical_gap=numbers.critical_gap,
+            area=numbers.area,
+            error=numbers.error,
+            model_error=numbers.model_error,
+            good=xp.isfinite(numbers.flow),
             said=SAID,
         )
 
 
-def _numbers(rough: RoughSeal, relative_pressure: Array) -> tuple[Any, ...]:
-    """Flow, gap, area, critical gap of the first row, relative error of the flow and its
-    bound.
-    """
+class _LeakNumbers(NamedTuple):
+    """Fields of `GapFlow`; the first three have derivatives."""
+
+    flow: Array
+    gap: Array
+    area: Array
+    critical_gap: Array
+    error: Array
+    model_error: Array
+
+
+def _numbers(rough: RoughSeal, relative_pressure: Array) -> _LeakNumbers:
     surface, softened = rough.surface, rough.softened()
     flat, first = np.ravel(relative_pressure), relative_pressure[0]
     fine, coarse = (nodes(surface, count) for count in (PER_DECADE, PER_DECADE // 2))
@@ -234,7 +241,7 @@ def _numbers(rough: RoughSeal, relative_pressure: Array) -> tuple[Any, ...]:
     critical = np.concatenate(
         [critical_gap(contact_of(fine, batch, softened)) for batch in batches]
     )
-    return flow, gap, area, critical, error, model_error
+    return _LeakNumbers(flow, gap, area, critical, error, model_error)
 
 
 def _of_strain(
@@ -270,7 +277,7 @@ _LeakShared: TypeAlias = "tuple[AbstractSpectrum, Softening | None]"
 @functools.lru_cache(64)
 def _with_slopes(
     counts: tuple[int, ...], direction: float | None
-) -> Callable[..., tuple[Any, ...]]:
+) -> Callable[..., _LeakNumbers]:
     """`_numbers` under a transformation of JAX, with derivatives of flow, gap and
     area.
     """
@@ -287,7 +294,8 @@ def _with_slopes(
         each = (relative_pressure,) * 3
         return (*each, relative_pressure[0], *each[:2])
 
-    def numbers(shared: _LeakShared, relative_pressure: Array) -> tuple[Any, ...]:
+    def numbers(shared: _LeakShared, relative_pressure: Array) -> _LeakNumbers:
         return _numbers(RoughSeal(*shared, direction), relative_pressure)
 
-    return numbers_with_slopes(numbers, ((formula, 3),), like)
+    solve = numbers_with_slopes(numbers, ((formula, 3),), like)
+    return lambda shared, points: _LeakNumbers(*solve(shared, points))
