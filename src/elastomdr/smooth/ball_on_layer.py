@@ -470,15 +470,16 @@ def _mean(
         points = np.flatnonzero(load == each)
         grid = shared_grid(velocity[points], lines.rtol)
         if grid.velocity.size < points.size * rule.cosines.size:
-            averages = _on_shared_grid(lines, velocity[points], each, grid, rule, flat)
+            mean = _on_shared_grid(lines, velocity[points], each, grid, rule, flat)
         else:
-            averages = _one_by_one(lines, velocity[points], each, rule, flat)
-        mu, depth, missed, fine, along_motion = averages
-        for field, values in zip(out, (mu, depth, missed), strict=True):
+            mean = _one_by_one(lines, velocity[points], each, rule, flat)
+        found = mean.mu, mean.depth, mean.error
+        for field, values in zip(out, found, strict=True):
             field[points] = values
-        for field, values in zip(lines_own, along_motion, strict=True):
+        for field, values in zip(lines_own, mean.line, strict=True):
             field[points] = values
-        good[points] = fine & (missed <= max(lines.rtol, _FLOOR) * np.abs(mu))
+        fine = mean.error <= max(lines.rtol, _FLOOR) * np.abs(mean.mu)
+        good[points] = mean.good & fine
     mu, depth, missed = out
     return _DirectionMean(mu, depth, lines_own, missed, good)
 
@@ -510,12 +511,28 @@ def _mean_of_traced(
     kept = material if tables else None
     shared = as_doubles((None if tables else material, shape))
     mean_of = _with_slopes(kept, averaged, float(rtol))
-    mu, depth, along, leading, trailing, error, good = mean_of(
-        shared, as_doubles((velocity, load))
+    mean = mean_of(shared, as_doubles((velocity, load)))
+    reach = mean.leading + mean.trailing
+    wide = reach < _TRACED_REACH * material.covers[0].thickness
+    good = mean.good > 0
+    line = Slid(
+        mean.along, load, mean.depth, mean.leading, mean.trailing, good, mean.good
     )
-    wide = leading + trailing < _TRACED_REACH * material.covers[0].thickness
-    line = Slid(along, load, depth, leading, trailing, good > 0, good)
-    return _DirectionMean(mu, depth, line, error, (good > 0) & wide), misfit
+    return _DirectionMean(mean.mu, mean.depth, line, mean.error, good & wide), misfit
+
+
+class _TracedMean(NamedTuple):
+    """Of a `_DirectionMean`, what `_with_slopes` gives: derivatives but for the last
+    two.
+    """
+
+    mu: Array
+    depth: Array
+    along: Array  # mu of the line along the motion
+    leading: Array
+    trailing: Array
+    error: Array
+    good: Array
 
 
 def _is_table(cover: Layer) -> bool:
@@ -523,11 +540,12 @@ def _is_table(cover: Layer) -> bool:
 
 
 @functools.lru_cache(8)
-def _with_slopes(kept: Layer | None, averaged: bool, rtol: float) -> Any:
-    """mu, the depth, and mu and the edges of the line along the motion, as a function of
-    (material, shape) and of (velocity, load): numbers of `_mean`, derivatives from the
-    two equations of the line in every direction; its error, and where it is good. The
-    material is `kept` where that is given.
+def _with_slopes(
+    kept: Layer | None, averaged: bool, rtol: float
+) -> Callable[..., _TracedMean]:
+    """A function of (material, shape) and of (velocity, load): numbers of `_mean`,
+    derivatives from the two equations of the line in every direction. The material is
+    `kept` where that is given.
     """
     rule, flat = _rule(rtol)
     cosines, weights = rule.cosines, rule.weights
@@ -539,12 +557,12 @@ def _with_slopes(kept: Layer | None, averaged: bool, rtol: float) -> Any:
         assert layer is not None
         return layer
 
-    def numbers(shared: _Shared, points: _Points) -> tuple[Array, ...]:
+    def numbers(shared: _Shared, points: _Points) -> _TracedMean:
         lines = _lines(layer_of(shared), shared[1], points[1], "load", rtol)
         mean = _mean(lines, points[0], points[1], averaged)
         line = mean.line
         edges = line.mu, line.leading, line.trailing
-        return mean.mu, mean.depth, *edges, mean.error, mean.good
+        return _TracedMean(mean.mu, mean.depth, *edges, mean.error, mean.good)
 
     def edges(shared: _Shared, points: _Points) -> tuple[Array, None]:
         velocity, load = points
@@ -578,7 +596,8 @@ def _with_slopes(kept: Layer | None, averaged: bool, rtol: float) -> Any:
         along = mu[:, 0], leading[:, 0], trailing[:, 0]
         return mu @ weights, depth @ flat, *along
 
-    return numbers_with_slopes(numbers, ((mean, 5),), lambda _, x: (x[0],) * 7)
+    solve = numbers_with_slopes(numbers, ((mean, 5),), lambda _, x: (x[0],) * 7)
+    return lambda shared, points: _TracedMean(*solve(shared, points))
 
 
 def _traced_line(material: Layer, shape: AbstractShape) -> tuple[Sliding, float]:
@@ -592,9 +611,9 @@ def _on_shared_grid(
     grid: SharedGrid,
     rule: Directions,
     flat: Array,
-) -> tuple[Any, ...]:
-    """Averages at one load from one curve over velocity: mu, depth, error, whether all
-    lines were found, and the lines at the velocities themselves.
+) -> _DirectionMean:
+    """Averages at one load from one curve over velocity; good where all lines were
+    found.
     """
     loads = np.full(grid.velocity.size, load)
     solved, off = _solve(lines, grid.velocity, loads, grid.weights)
@@ -605,13 +624,14 @@ def _on_shared_grid(
     slowed = velocity[:, None] * rule.cosines
     depth = _between(grid.velocity, solved.depth, slowed) @ flat
     fine = (grid.weights != 0) @ ~solved.converged == 0
-    along_motion = [_between(grid.velocity, field, velocity) for field in solved[:5]]
-    return mu, depth, missed, fine, [*along_motion, fine, fine]
+    numbers = (_between(grid.velocity, field, velocity) for field in solved[:5])
+    line = Slid(*numbers, converged=fine, lowest=fine)
+    return _DirectionMean(mu, depth, line, missed, fine)
 
 
 def _one_by_one(
     lines: _Lines, velocity: Array, load: float, rule: Directions, flat: Array
-) -> tuple[Any, ...]:
+) -> _DirectionMean:
     """The same, every direction of every velocity a line of its own."""
     count = velocity.size
     slowed = (velocity[:, None] * rule.cosines).reshape(-1)
@@ -621,8 +641,9 @@ def _one_by_one(
     gap = np.abs(table.mu @ rule.half - mu)
     rest = np.minimum(gap**2 / np.maximum(mu, 1e-300), gap)
     missed = rest + (off.reshape(count, -1) * table.mu) @ rule.weights + rule.tail * mu
-    fine = table.converged.all(axis=1)
-    return mu, depth, missed, fine, [field[:, 0] for field in table]
+    fine = xp.all(table.converged, axis=1)
+    line = Slid(*(field[:, 0] for field in table))
+    return _DirectionMean(mu, depth, line, missed, fine)
 
 
 def _between(nodes: Array, values: Array, velocity: Array) -> Array:

@@ -275,7 +275,7 @@ def layer_waves(problem: Cylinders, ratio: float) -> LayerWaves | None:
     thickness = functools.reduce(
         xp.minimum, [cover.thickness for cover in problem.covers]
     )
-    z, fine, spread, rest, weight = _wave_rule(ratio)
+    rule = _wave_rule(ratio)
 
     def lacking(z: Array) -> tuple[Any, Any]:
         k = z / thickness
@@ -287,12 +287,12 @@ def layer_waves(problem: Cylinders, ratio: float) -> LayerWaves | None:
             deficit[1] for deficit in parts
         )
 
-    near, far = lacking(fine), lacking(rest)
+    near, far = lacking(rule.fine), lacking(rule.others)
     real, imaginary = (
-        xp.concatenate([a @ spread, b * weight], axis=1)
+        xp.concatenate([a @ rule.spread, b * rule.weight], axis=1)
         for a, b in zip(near, far, strict=True)
     )
-    return LayerWaves(z, real, imaginary, thickness, ratio)
+    return LayerWaves(rule.waves, real, imaginary, thickness, ratio)
 
 
 class _Shares(NamedTuple):
@@ -397,11 +397,16 @@ def _transform(
 _SHRINKING = np.concatenate([[0.0], 4.0 ** np.arange(-26, 1)])  # panels towards zero
 
 
+class _WaveRule(NamedTuple):
+    waves: np.ndarray  # z
+    fine: np.ndarray  # nodes of the first panel
+    spread: np.ndarray  # what each of them adds to its waves: fine nodes x waves
+    others: np.ndarray  # nodes of the other panels, which are waves
+    weight: np.ndarray  # theirs
+
+
 @functools.lru_cache(maxsize=16)
-def _wave_rule(ratio: float) -> tuple[np.ndarray, ...]:
-    """Waves z; fine nodes of the first panel and what each adds to its waves; the other
-    nodes and their weights.
-    """
+def _wave_rule(ratio: float) -> _WaveRule:
     width = 1.0  # of the first panel
     few = 10 + math.ceil(1.5 * ratio * width)
     nodes, _ = gauss(few)
@@ -419,13 +424,8 @@ def _wave_rule(ratio: float) -> tuple[np.ndarray, ...]:
         for a, b, n in ends
     ]
     others, weight = (np.concatenate(x) for x in zip(*rest, strict=True))
-    return (
-        np.concatenate([0.5 * width * (nodes + 1), others]),
-        width * fine,
-        spread,
-        others,
-        weight,
-    )
+    waves = np.concatenate([0.5 * width * (nodes + 1), others])
+    return _WaveRule(waves, width * fine, spread, others, weight)
 
 
 @functools.lru_cache(maxsize=32)
@@ -480,11 +480,12 @@ def losses(
     dk, p(k) a sum of Bessel functions.
     """
     order = solution.terms.shape[1]
-    y, weight, even, odd = _loss_waves(order)
+    waves = _loss_waves(order)
+    y, weight = waves.nodes, waves.weight
     sign = np.array([1.0, -1.0])[(np.arange(order) // 2) % 2]
     power = (
-        (solution.terms * sign)[:, ::2] @ even,
-        (solution.terms * sign)[:, 1::2] @ odd,
+        (solution.terms * sign)[:, ::2] @ waves.even,
+        (solution.terms * sign)[:, 1::2] @ waves.odd,
     )
     spread = power[0] ** 2 + power[1] ** 2  # |p|^2 over L^2
     late = y > 0.75 * _LOSS_END  # |p|^2 falls as y^-3 behind its last wave
@@ -513,11 +514,15 @@ def losses(
 _LOSS_END = 4097.0
 
 
+class _LossWaves(NamedTuple):
+    nodes: np.ndarray  # kL
+    weight: np.ndarray
+    even: np.ndarray  # transforms of the even terms there, but for signs: terms x nodes
+    odd: np.ndarray  # of the odd ones
+
+
 @functools.lru_cache(maxsize=4)
-def _loss_waves(order: int) -> tuple[np.ndarray, ...]:
-    """kL, its weights, and the transforms of the even and the odd terms there, but for
-    signs.
-    """
+def _loss_waves(order: int) -> _LossWaves:
     from scipy.special import jv
 
     ends = np.concatenate([_SHRINKING, np.arange(5.0, _LOSS_END + 1, 4.0)])
@@ -528,7 +533,7 @@ def _loss_waves(order: int) -> tuple[np.ndarray, ...]:
         * jv(np.arange(1, order + 1)[:, None], y)
         / y
     )
-    return y, weight, terms[::2], terms[1::2]
+    return _LossWaves(y, weight, terms[::2], terms[1::2])
 
 
 # What a Kelvin element remembers of a contact, in closed form.
