@@ -258,12 +258,32 @@ def _of_traced(problem: Problem, model: WaveByWave, hot: bool) -> Warm:
         to_points(problem.local.directed),
     )
     solve = _with_slopes(model, *stations, counts, hot)
-    rise, mean, flux, to_road, error, *flags = solve(*as_doubles((shared, points)))
-    good, several, runaway = (flag > 0 for flag in flags)
-    ends = _ends(problem.spectrum)
-    profile = Warmed(ends, xp.transpose(rise), problem.temperature, problem.body)
-    made = mean, rise[-1], flux, to_road
-    return Warm(profile, error, *made, good, several, runaway)
+    solved = solve(*as_doubles((shared, points)))
+    ends, rise = _ends(problem.spectrum), xp.transpose(solved.rise)
+    return Warm(
+        Warmed(ends, rise, problem.temperature, problem.body),
+        solved.error,
+        solved.mean,
+        solved.rise[-1],
+        solved.flux,
+        solved.to_road,
+        solved.good > 0,
+        solved.several > 0,
+        solved.runaway > 0,
+    )
+
+
+class _TracedWarm(NamedTuple):
+    """Fields of `Warm`; the first four have derivatives."""
+
+    rise: Array  # at the finest stations (finest, points) [K]
+    mean: Array
+    flux: Array
+    to_road: Array
+    error: Array
+    good: Array
+    several: Array
+    runaway: Array
 
 
 class _HeatShared(NamedTuple):
@@ -301,18 +321,15 @@ def _problem(shared: _HeatShared, points: _HeatPoints) -> Problem:
 @functools.lru_cache(64)
 def _with_slopes(
     model: WaveByWave, stations: int, finest: int, counts: tuple[int, ...], hot: bool
-) -> Callable[..., tuple[Any, ...]]:
-    """Rises at the finest stations (finest, points), which are those of `warmed`
-    whatever its level was, their mean, the heat flux and what the road takes, with
-    derivatives as of `stations`; their error and the flags of `Warm`.
-    """
+) -> Callable[..., _TracedWarm]:
+    """Numbers of `warmed`, whatever its level was, with derivatives as of `stations`."""
 
-    def numbers(shared: _HeatShared, points: _HeatPoints) -> tuple[Any, ...]:
+    def numbers(shared: _HeatShared, points: _HeatPoints) -> _TracedWarm:
         problem = _problem(shared, points)
         warm = warmed(problem, model, hot)
         rise = _at_stations(warm.warmed.rise, finest).T
-        made = warm.mean, warm.flux, warm.to_road
-        return (rise, *made, warm.error, warm.good, warm.several, warm.runaway)
+        made = warm.mean, warm.flux, warm.to_road, warm.error
+        return _TracedWarm(rise, *made, warm.good, warm.several, warm.runaway)
 
     of_usual = _rises(model, stations, counts, hot)
 
@@ -329,7 +346,8 @@ def _with_slopes(
     def like(shared: _HeatShared, points: _HeatPoints) -> tuple[Any, ...]:
         return (_shape(finest, points), *(points.velocity,) * 7)
 
-    return numbers_with_slopes(numbers, ((rises, 1), (others, 3)), like)
+    solve = numbers_with_slopes(numbers, ((rises, 1), (others, 3)), like)
+    return lambda shared, points: _TracedWarm(*solve(shared, points))
 
 
 @functools.lru_cache(64)
