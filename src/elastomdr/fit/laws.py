@@ -424,11 +424,13 @@ def temperature_error(
     """
     if temperature.size < 4:
         return usual
-    slope, bends, off, misfit = _law(temperature, log10_a, covariance, usual)
-    if misfit > MISSES:
+    law = _law(temperature, log10_a, covariance, usual)
+    if law.misfit > MISSES:
         return usual
     scale = usual * _GRID
-    chance = np.array([_restricted(covariance, slope * s, bends, off) for s in scale])
+    chance = np.array(
+        [_restricted(covariance, law.slope * s, law.bends, law.off) for s in scale]
+    )
     before = np.exp(-0.5 * _GRID**2)
     before[0] = 0.5 * before[1:].sum()
     weight = before * np.exp(chance - chance.max())
@@ -440,12 +442,16 @@ def slopes(temperature: np.ndarray, log10_a: np.ndarray) -> np.ndarray:
     return np.gradient(log10_a, temperature) if temperature.size > 1 else np.zeros(1)
 
 
+class _FittedWlf(NamedTuple):
+    slope: np.ndarray  # d(log10 a_T)/dT at each isotherm [1/K]
+    bends: np.ndarray  # derivatives by its constants and its level
+    off: np.ndarray  # what it misses [decades]
+    misfit: float  # by how much that is more than usual thermometers are off
+
+
 def _law(
     temperature: np.ndarray, log10_a: np.ndarray, covariance: np.ndarray, usual: float
-) -> tuple:
-    """Of a WLF law its slopes, its derivatives by its constants and its level, what it
-    misses, and by how much that is more than usual thermometers are off.
-    """
+) -> _FittedWlf:
     centre = temperature.size // 2
     form = forms(float(temperature[centre]), float(temperature[0]))["WLF"]
     change = np.eye(temperature.size)
@@ -461,7 +467,8 @@ def _law(
     slope = (form.value(p, temperature + step) - form.value(p, temperature - step)) / (
         2 * step
     )
-    return slope, bends, log10_a - form.value(p, temperature), misfit
+    off = log10_a - form.value(p, temperature)
+    return _FittedWlf(slope, bends, off, misfit)
 
 
 def _restricted(
