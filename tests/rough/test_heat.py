@@ -291,7 +291,7 @@ def test_branches_of_one_flash_temperature():
         ({"pressure": None, "load": 3.0}, ("heat", "pressure")),
         (
             {"shape": em.Sphere(1e-3), "pressure": None, "load": 3.0},
-            ("", "rough surface"),
+            ("", "indenter"),
         ),
     ],
 )

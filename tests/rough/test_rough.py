@@ -309,7 +309,7 @@ def test_random_scenes_converge_or_say_so():
         ),
         (
             {"model": em.Multiscale(), "shape": rough()},
-            ("model", "em.Line", "em.RoughLine"),
+            ("model", "em.Line", "rough line"),
         ),
         (
             {"material": em.Foundation.maxwell(1e6, 1.0), "model": em.Line()},

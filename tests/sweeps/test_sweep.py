@@ -1606,7 +1606,7 @@ def test_a_cluster_of_two(tmp_path, monkeypatch):
         ({"store": "/"}, ("store", "'/'")),
         ({"store": ""}, ("store", "''")),
         ({"store": 3}, ("store", 3)),
-        ({"store": None}, ("store", "None")),
+        ({"store": None}, ("store", "given")),
     ],
 )
 def test_bad_input(change, said, tmp_path):
