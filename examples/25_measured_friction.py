@@ -51,8 +51,9 @@ def main(out: Path, data: Path) -> None:
     scene = SCENE if points.pressure is None else SCENE | {"pressure": points.pressure}
     if points.temperature is None or np.ptp(points.temperature) == 0:
         raise em.InputError(
-            "two temperatures or more are needed, since one cannot be shifted to "
-            "another."
+            argument="data",
+            got=data.name,
+            accepted="points at two temperatures or more: one alone cannot be shifted",
         )
     master = em.fit.friction_master(
         points.velocity, points.temperature, points.mu, 293.15, error=error

@@ -137,7 +137,7 @@ def test_a_ramp_is_convolved(write):
     assert off(fit) < 0.03
     with warned(em.fit.FitWarning, 5, "points within"):
         em.read_dma(path, ramp=5.0)
-    with refused("", "point"):
+    with refused("ramp", "shorter"):
         em.read_dma(path, ramp=5000.0)
     with refused("ramp", "left out"):
         em.read_dma(

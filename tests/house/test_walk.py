@@ -69,4 +69,4 @@ def test_scene_to_start_from_with_files(tmp_path, monkeypatch, capsys):
     assert main(["friction", "sub.toml"]) == 2
     assert "[surface] convention must be" in capsys.readouterr().err  # is never guessed
     assert main(["init", "x.toml", "--kind", "ball", "--profile", "road.csv"]) == 2
-    assert "--kind road" in capsys.readouterr().err
+    assert "--kind must be road" in capsys.readouterr().err

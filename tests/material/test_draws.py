@@ -175,7 +175,7 @@ def test_road_and_material_are_drawn_together(fit):
     np.testing.assert_allclose(
         only.mu[1], em.friction(fit.material, few[1], **scene).mu, rtol=1e-3
     )
-    with pytest.raises(em.InputError, match="as many draws"):
+    with pytest.raises(em.InputError, match="as many draws as shape"):
         em.friction(fit.draws(4), few, **scene)
     for bad in ({}, {"level": -1.0}):
         with pytest.raises(em.InputError, match="level"):

@@ -78,7 +78,7 @@ def test_full_contact_is_a_sum_over_waves():
     np.testing.assert_allclose(slope, -mu[1] / 2 / (2 * load[1]), rtol=1e-12)
     springs = em.springs(em.Prony(1e6, [], [], poisson=0.4), 1e-3)
     for change, words in (
-        ({"material": springs}, "RoughLine on a material"),
+        ({"material": springs}, "material must be a half-space"),
         ({"load": 0.0}, "load must be positive"),
         ({"temperature": 300.0}, "no shift law"),
         ({"load": [1.0, 2.0]}, "must be of a shape that broadcasts"),

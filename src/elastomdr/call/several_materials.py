@@ -159,8 +159,8 @@ def _beside(surfaces: Draws[Any], material: Any) -> Draws[Any]:
         raise InputError(
             argument="material",
             got=material,
-            accepted=f"one, or {len(surfaces)} draws of one, as many as shape is "
-            "draws of a surface",
+            accepted=f"one material, or {len(surfaces)} draws of one, as many draws "
+            "as shape has of its surface",
         )
     return Draws(
         material, material.name, f"{material.words}; {surfaces.name}: {surfaces.words}"

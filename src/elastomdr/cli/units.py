@@ -357,12 +357,11 @@ def shown(value: object) -> str:
         return f"[{', '.join(map(shown, value))}]"
     if isinstance(value, int | float):
         return written(value)
-    from ..models import Model
-
-    if not isinstance(value, Model):
+    if isinstance(value, type) or not hasattr(value, "in_python"):
         return written(value)
-    options = (f"{name} = {shown(one)}" for name, one in value.options().items())
-    return " with ".join(filter(None, [f'"{value.label}"', ", ".join(options)]))
+    model: Any = value  # what `models.Model` has
+    options = (f"{name} = {shown(one)}" for name, one in model.options().items())
+    return " with ".join(filter(None, [f'"{model.label}"', ", ".join(options)]))
 
 
 def _by_pint(number: float, unit: str, kind: type[SceneQuantity]) -> float:
