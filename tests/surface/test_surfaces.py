@@ -598,9 +598,9 @@ def test_arrays_and_files_of_heights(tmp_path):
 def test_file_of_an_instrument_without_a_size(tmp_path):
     height = 1e-6 * isotropic_map()
     np.save(tmp_path / "map.npy", 1e6 * height)
-    with refused("path", "'map.npy'", "unit="):
+    with refused("unit", "given", "'map.npy'"):
         em.read_surface(tmp_path / "map.npy", pixel_size=1e-5)
-    with refused("path", "pixel_size", "'map.npy'"):
+    with refused("pixel_size", "given", "'map.npy'"):
         em.read_surface(tmp_path / "map.npy", unit="um")
     got = em.read_surface(tmp_path / "map.npy", unit="um", pixel_size=1e-5)
     np.testing.assert_allclose(
