@@ -1446,7 +1446,7 @@ def test_a_disk_may_be_full_at_any_moment(tmp_path, monkeypatch):
         assert "averaged" in found.attrs["model"]
     assert count > 40
     (text,) = said
-    assert mentions(text, "store 'PATH'", "No space left on device")
+    assert mentions(text, "'PATH'", "No space left on device")
 
 
 def test_workers_of_another_version_are_refused():
@@ -1715,7 +1715,7 @@ def test_command(tmp_path, capsys):
     )
     status, said = command(tmp_path, capsys, SCENE.replace("10 N", "11 N"))
     assert status == 2
-    assert "other inputs" in said.err
+    assert "same inputs" in said.err
 
 
 def test_a_command_whose_calls_all_raise_says_what(tmp_path, capsys, monkeypatch):

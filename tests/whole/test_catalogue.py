@@ -7,7 +7,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.app import words as page
-from elastomdr.cli import main as terminal
+from elastomdr.cli.units import shown
 from elastomdr.results.doubts import KINDS
 
 DOUBTS = {
@@ -36,10 +36,16 @@ ROAD = em.SelfAffine(0.8, rms_slope=1.0, q_low=1e3, q_high=1e5)
 RADIUS = em.InputError(
     argument="radius", accepted="positive", got="-5 mm", hint="radii are lengths"
 )
+
+
+def terminal(error):
+    return error.words(shown=shown)
+
+
 ERRORS = {
     str: "radius must be positive, got '-5 mm': radii are lengths.",
-    terminal._in_words: 'radius must be positive, got "-5 mm": radii are lengths.',
-    page.in_words: 'radius must be positive, got "-5 mm": radii are lengths.',
+    terminal: 'radius must be positive, got "-5 mm": radii are lengths.',
+    page.in_words: '“Radius R” must be positive, got "-5 mm": radii are lengths.',
 }
 
 

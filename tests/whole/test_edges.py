@@ -15,7 +15,7 @@ import pytest
 import elastomdr as em
 from elastomdr.cli.main import main
 
-from ..cli.cli_cases import INDENT, MATERIAL, SCENE
+from ..cli.cli_cases import MATERIAL, SCENE
 from ..io.dma_files import eplexor_xls
 
 FUZZ = Path(__file__).parents[2] / "benchmarks" / "robustness" / "fuzz.py"
@@ -183,25 +183,35 @@ def test_output_that_is_closed_is_no_reason_to_fail():
     assert done.stderr == ""
 
 
+LINE = """
+material = "epdm-70"
+temperature = "20 degC"
+[surface]
+shape = "self_affine"
+hurst = 0.8
+rms_slope = 0.3
+longest = "1 mm"
+shortest = "0.1 mm"
+[contact]
+pressure = "0.1 MPa"
+velocity = "1 mm/s"
+model = "line"
+"""
+
+
 @pytest.mark.skipif(
     sys.platform != "linux", reason="the place of the cache is the platform's"
 )
 def test_compiled_code_is_kept_and_a_damaged_cache_is_one_line(place):
-    # Adhesion is computed by JAX, what is in its place otherwise by NumPy.
-    sticky = INDENT.replace(
-        'temperature = "20 degC"', 'temperature = "20 degC"\nadhesion = "0.1 J/m^2"'
-    )
-    history = INDENT[INDENT.index("program") : INDENT.index("[numerics]")]
-    (place / "sticky.toml").write_text(
-        sticky.replace(history, 'time = ["0 s", "1 s"]\nload = ["1 N", "0 N"]\n\n')
-    )
+    # a rough line is computed by JAX
+    (place / "line.toml").write_text(LINE)
     environment = {
         key: value for key, value in os.environ.items() if not key.startswith("JAX_")
     }
     environment["XDG_CACHE_HOME"] = str(place / "cache")
 
-    def indent():
-        argv = [sys.executable, "-m", "elastomdr", "indent", "sticky.toml"]
+    def line():
+        argv = [sys.executable, "-m", "elastomdr", "friction", "line.toml"]
         done = subprocess.run(
             argv,
             capture_output=True,
@@ -214,13 +224,13 @@ def test_compiled_code_is_kept_and_a_damaged_cache_is_one_line(place):
         folder = place / "cache" / "elastomdr" / "jax"
         return done, {path: path.stat().st_mtime_ns for path in folder.glob("*-cache")}
 
-    first, files = indent()
+    first, files = line()
     assert files
-    second, same = indent()
+    second, same = line()
     assert same == files  # compiled nothing
     for path in files:
         path.write_bytes(b"damaged")
-    third, _ = indent()
+    third, _ = line()
     assert first.stdout == second.stdout == third.stdout
     assert not second.stderr.count("damaged")
     assert third.stderr.count("\n") == 1

@@ -132,6 +132,7 @@ CALLS = {
     "Mount": (em.Mount, {"mass": 1.0}),
     "Idlers": (em.Idlers, {"cover": COVER, "roll": ROLLER, "spacing": 1.0}),
     "Heat": (em.Heat, {"conductivity": 0.2, "heat_capacity": 2e6}),
+    "Adhesion": (em.Adhesion, {"work": 0.05, "cutoff": 1e-7}),
     "AdhesiveShear": (
         em.AdhesiveShear,
         {"stress": 1e5, "velocity": 0.01, "width": 0.3},

@@ -28,6 +28,7 @@ import numpy as np
 from ..arrays import scan, stop_gradient, xp
 from ..checks import (
     Array,
+    as_float64,
     ascending,
     finite,
     is_traced,
@@ -220,7 +221,7 @@ def _edge(edge: object) -> object:
         if edge in ("persson-brener", "glassy", "elastic"):
             return edge
     elif isinstance(edge, Sequence | np.ndarray) and len(edge) == 2:
-        speed, factor = (np.atleast_1d(np.asarray(row, float)) for row in edge)
+        speed, factor = (np.atleast_1d(as_float64("edge", row)) for row in edge)
         finite("edge", speed)
         finite("edge", factor)
         ascending("edge", speed)

@@ -27,7 +27,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ..arrays import stop_gradient, tree_map, xp
 from ..checks import Array, is_traced, nan_unless, numbers_only, numpy_unless_traced
@@ -215,6 +214,8 @@ class _StickyStep:
         if beyond(ends[0]) * beyond(ends[1]) >= 0:
             return ends[1]
         exact = _EXACT * self.cycle.x[-2]
+        from scipy.optimize import brentq
+
         return float(brentq(beyond, *ends, xtol=exact))  # pyright: ignore
 
     def _value(self, y: np.ndarray, outwards: bool = False) -> np.ndarray:
