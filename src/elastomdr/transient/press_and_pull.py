@@ -202,6 +202,8 @@ class _StickyStep:
 
     def _first(self, places: np.ndarray, passed: np.ndarray) -> float | None:
         """The first place at which what is given is passed, in a row of places."""
+        from scipy.optimize import brentq  # not loaded where nothing sticks
+
         after = np.flatnonzero(passed[1:])
         if not after.size:
             return None
@@ -214,8 +216,6 @@ class _StickyStep:
         if beyond(ends[0]) * beyond(ends[1]) >= 0:
             return ends[1]
         exact = _EXACT * self.cycle.x[-2]
-        from scipy.optimize import brentq
-
         return float(brentq(beyond, *ends, xtol=exact))  # pyright: ignore
 
     def _value(self, y: np.ndarray, outwards: bool = False) -> np.ndarray:
