@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
     from .._types import Style
     from ..arrays import Array
-
-if TYPE_CHECKING:
     from .plot_contacts import SteadyElements
 
 FACTOR = 2.0  # of the shortest wave, each way
