@@ -563,6 +563,11 @@ class TestSlip:
             "2 m/s",
         ]
         assert found.plot().get_xlabel() == "Slip [%]"
+        for slip, scale in (
+            (np.geomspace(1e-3, 0.9, 5), "log"),
+            (np.linspace(1e-3, 0.9, 5), "linear"),
+        ):
+            assert elastic(creepage=None, slip=slip).plot().get_xscale() == scale
 
     @pytest.mark.parametrize(
         ("changes", "message"),

@@ -210,7 +210,7 @@ class Result:
     each: ClassVar[str] = "points"  # what one value of a field belongs to
     # name of the last axis where every result of the class has it
     last: ClassVar[str] = ""
-    # of the horizontal axis: "log", or "auto" where the values are spread widely
+    # of the horizontal axis: "log", or "auto" where the values are crowded
     scale: ClassVar[str] = "linear"
     # the field that `model_error` is of, "" for the one that is shown; whether relative
     bound_of: ClassVar[str] = ""

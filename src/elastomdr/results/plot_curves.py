@@ -303,6 +303,7 @@ def draw_traction(result: Drawable, ask: DrawAsk) -> Axes:
                     line.x, limit, colour=line.colour, dashes="--", width=0.5, layer=1.0
                 )
             )
+            sketch.explain("full slip", "--")
             top = peak(line.x, np.abs(line.y))
             if top is not None and top.inside:  # at an end the largest may lie beyond
                 i = int(np.flatnonzero(line.x == top.x)[0])

@@ -545,7 +545,7 @@ class ResultSketch(Sketch):
         elif self.along and self.result.scale == "auto":
             every = [m for e in (*self.canvas.entries, self.entry) for m in e.marks]
             x = [mark.x for mark in every if isinstance(mark, Trace)]
-            _logarithmic_if_wide(self.ax, np.concatenate(x) if x else np.ones(1))
+            _logarithmic_if_crowded(self.ax, np.concatenate(x) if x else np.ones(1))
 
 
 def begin(ask: DrawAsk, panels: Panels | None = None) -> Canvas:
@@ -887,12 +887,13 @@ def _write_title(canvas: Canvas, title: str, asked: bool) -> list[Artist]:
     return [made]
 
 
-def _logarithmic_if_wide(ax: Axes, x: np.ndarray) -> None:
-    """A logarithmic horizontal axis where the values are spread that widely; zero keeps
-    a place.
+def _logarithmic_if_crowded(ax: Axes, x: np.ndarray) -> None:
+    """A logarithmic horizontal axis where half of the values would lie near its end;
+    zero keeps a place.
     """
     later = x[x > 0]
-    if later.size and not (x < 0).any() and later.max() > LOG_RATIO * later.min():
+    crowded = later.size and later.max() > LOG_RATIO**0.5 * np.median(later)
+    if crowded and not (x < 0).any():
         if (x == 0).any():
             ax.set_xscale("symlog", linthresh=later.min(), linscale=0.3)
         else:

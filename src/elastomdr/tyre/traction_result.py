@@ -131,6 +131,7 @@ class Traction(Result):
     figure: ClassVar[str] = "plot_curves.draw_traction"
     across: ClassVar[str] = "creepage"
     shows: ClassVar[str] = "coefficient"
+    scale: ClassVar[str] = "auto"
     from_zero: ClassVar[bool] = False
     error_of: ClassVar[str] = "the coefficient"
     coordinates: ClassVar[tuple[str, ...]] = (
