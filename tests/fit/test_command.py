@@ -11,10 +11,10 @@ import elastomdr as em
 from elastomdr.cli.fit import Fit, add_arguments, content_of
 from elastomdr.cli.main import main
 from elastomdr.cli.schema import decode
-from elastomdr.material.check import check_material
 
 from ..cli.cli_cases import arguments
 from ..io.dma_files import KNOWN, measure, two_rows
+from ..material.check import check_material
 
 ROWS = measure(KNOWN)
 

@@ -8,9 +8,9 @@ import pytest
 import elastomdr as em
 from elastomdr.cli.fit import law_of
 from elastomdr.cli.main import main
-from elastomdr.material.check import check_material
 
 from ..io.dma_files import data, measure
+from ..material.check import check_material
 from ..refused import refused
 
 # What is doubted is asserted where a test is about it.

@@ -7,9 +7,9 @@ import pytest
 
 import elastomdr as em
 from elastomdr.cli.main import main
-from elastomdr.material.check import check_material
 from elastomdr.material.validity import misfit
 
+from ..material.check import check_material
 from ..refused import refused
 
 

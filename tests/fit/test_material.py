@@ -14,9 +14,9 @@ import elastomdr as em
 from elastomdr.errors import InputError
 from elastomdr.fit import abaqus_card, ansys_card, plain_card
 from elastomdr.fit.figures import draw_shifts
-from elastomdr.material.check import check_material
 
 from ..io.dma_files import CELSIUS, HERTZ, KNOWN, WRITERS, measure, plain_csv, two_rows
+from ..material.check import check_material
 
 # What is doubted is asserted where a test is about it.
 pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")

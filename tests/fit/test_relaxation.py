@@ -8,9 +8,9 @@ import pytest
 import elastomdr as em
 from elastomdr.errors import InputError
 from elastomdr.fit.series import _widest
-from elastomdr.material.check import check_material
 from elastomdr.material.validity import Range, as_range, shared
 
+from ..material.check import check_material
 from ..refused import mentions
 
 # What is doubted is asserted where a test is about it.

@@ -15,8 +15,9 @@ import pytest
 import elastomdr as em
 from elastomdr.errors import InputError
 from elastomdr.material import library
-from elastomdr.material.check import check_material
 from elastomdr.material.library import material_info
+
+from .check import check_material
 
 
 def same(one: em.Prony, other: em.Prony) -> None:

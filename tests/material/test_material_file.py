@@ -8,7 +8,8 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
-from elastomdr.material.check import check_material
+
+from .check import check_material
 
 GOOD = """
 name = "mine"

@@ -12,11 +12,11 @@ from scipy.special import erf
 import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.fit.report import abaqus_card, plain_card
-from elastomdr.material.check import check_material
 from elastomdr.material.library import load_material, save_material
 from elastomdr.rough.multiscale import FORM
 
 from ..refused import mentions, refused, warned
+from .check import check_material
 
 STRAIN, STORAGE, LOSS = (
     [1e-3, 1e-2, 0.1, 1.0],

@@ -16,12 +16,12 @@ from elastomdr.call.extrapolation import excited_outside
 from elastomdr.cli.main import main
 from elastomdr.element.law import as_foundation, surface_foundation
 from elastomdr.errors import InputError
-from elastomdr.material.check import check_material
 from elastomdr.material.library import material_info
 from elastomdr.material.validity import Range, misfit, misfit_bands, shared
 
 from ..io.dma_files import RUBBER, data
 from ..refused import mentions, refused
+from .check import check_material
 
 DATA = Path(
     os.environ.get(

@@ -11,6 +11,7 @@ import pytest
 import elastomdr as em
 
 from ..refused import mentions, refused
+from .check import check_material
 
 WLF = em.WLF(8.0, 90.0, 293.15)
 TABLE = em.VerticalTable([233.0, 263.0, 293.15, 333.0], [0.85, 0.9, 1.0, 1.2])
@@ -348,7 +349,6 @@ def test_file_round_trip(tmp_path, law):
 
 
 def test_check_finds_a_law_that_does_not_cover_the_range(tmp_path):
-    from elastomdr.material.check import check_material
 
     path = tmp_path / "rubber.toml"
     rubber = em.Prony(

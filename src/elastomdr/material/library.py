@@ -390,8 +390,8 @@ def _in_table(where: str) -> Iterator[None]:
 
 
 def _range(document: Document) -> "Range | None":
-    """Where the numbers hold, as the file says; what has no meaning there is for
-    `check_material` to find.
+    """Where the numbers hold, as the file says; what has no meaning there is
+    left out.
     """
     from .validity import Range, as_range
 

@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from ..errors import InputError
-from .format import Document, is_tabulated, read_document
-from .library import load_material, locate
-from .prony import Prony
-from .tabulated import TabulatedModulus
+from elastomdr.errors import InputError
+from elastomdr.material.format import Document, is_tabulated, read_document
+from elastomdr.material.library import load_material, locate
+from elastomdr.material.prony import Prony
+from elastomdr.material.tabulated import TabulatedModulus
 
 Limits = tuple[float, float]
 
