@@ -3,6 +3,10 @@
 import asyncio
 import time
 
+# what is computed for the cards is stopped by all else; Python may drop a stop, which is
+# repeated then, and say so
+STOPPED = "ignore:(?s).*CancelledError:pytest.PytestUnraisableExceptionWarning"
+
 
 def simulated(tmp_path, act):
     """Runs `act(user, page, again)` with a simulated user on the page; `again` opens

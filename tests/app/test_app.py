@@ -30,7 +30,7 @@ from elastomdr.cli.main import main
 from elastomdr.cli.schema import keys_of
 from elastomdr.cli.steady import SurfaceContact, SurfaceFrictionScene
 
-from .simulated import simulated, until
+from .simulated import STOPPED, simulated, until
 
 SAMPLE = Path(__file__).parents[2] / "examples" / "data"
 SPAN = {"from": "1e-3 m/s", "to": "1 m/s", "points": 4}
@@ -532,6 +532,7 @@ def test_scene_reproduces_the_page(tmp_path, undrawn):
         )
 
 
+@pytest.mark.filterwarnings(STOPPED)
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_every_screen(tmp_path, undrawn):
     from nicegui import ui
@@ -722,6 +723,7 @@ def test_every_screen(tmp_path, undrawn):
     simulated(tmp_path, act)
 
 
+@pytest.mark.filterwarnings(STOPPED)
 def test_what_can_be_taken_away(tmp_path):
     """Files of the rubber, the friction law and the report have the numbers of what
     they are of.
@@ -867,6 +869,7 @@ async def results_belong_to_what_is_filled_in(page):
     assert page.screen("Rolling")._picture.shown
 
 
+@pytest.mark.filterwarnings(STOPPED)
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_two_sessions_at_once(tmp_path):
     """Two pages compute side by side and know nothing of each other."""

@@ -5,9 +5,13 @@ measured points.
 import asyncio
 import dataclasses
 import io
+import threading
+import time
 import tomllib
 import warnings
+import weakref
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -15,14 +19,17 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.app.scene import bundle, compute
+from elastomdr.app.scene import CancelledError, bundle, compute
 from elastomdr.app.security import Folder
 
 from ..refused import mentions
-from .simulated import simulated, until
+from .simulated import STOPPED, simulated, until
 
 SAMPLE = Path(__file__).parents[2] / "examples" / "data"
-pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::DeprecationWarning"),
+    pytest.mark.filterwarnings(STOPPED),
+]
 
 
 async def dropped(user, screen, *files):
@@ -533,6 +540,114 @@ def test_stop(tmp_path):
     from elastomdr.app.session import COMPUTING
 
     simulated(tmp_path, act)
+
+
+class Unheard:
+    """Hears the first stop where Python drops it."""
+
+    def __del__(self):
+        waits()
+
+
+def waits():
+    while True:
+        pass
+
+
+def dropped_by_its_end():
+    Unheard()
+
+
+def dropped_by_a_weak_reference():
+    dead = type("Dead", (), {})()
+    watched = weakref.ref(dead, lambda _: waits())
+    del dead
+    assert watched() is None
+
+
+@pytest.mark.parametrize(
+    "drops", [dropped_by_its_end, dropped_by_a_weak_reference], ids=lambda f: f.__name__
+)
+def test_a_stop_that_is_dropped_is_repeated(tmp_path, drops):
+    """What drops the first stop ends all the same, and only that."""
+    from elastomdr.app.session import COMPUTING
+
+    async def act(user, page, opened):
+        begun, went_on = [], []
+
+        def call():
+            begun.append(drops)
+            drops()
+            went_on.append(drops)
+            waits()
+
+        busy = page.screen("Friction")._busy
+        task = asyncio.create_task(busy.during(COMPUTING, call))
+        await until(lambda: begun)
+        busy.stop()
+        with pytest.raises(CancelledError):
+            await task
+        assert await busy.during(COMPUTING, lambda: went_on) == [drops]
+
+    simulated(tmp_path, act)
+
+
+class Held:
+    """A lock that says when the call that is stopped comes to its end."""
+
+    def __init__(self):
+        self.lock, self.taken, self.ending = threading.Lock(), 0, threading.Event()
+
+    def __enter__(self):
+        self.taken += threading.current_thread() is not threading.main_thread()
+        if self.taken > 1:
+            self.ending.set()
+        try:
+            self.lock.acquire()
+        except BaseException:  # the stop came while it waited, and has the lock
+            self.lock.release()
+            raise
+
+    def __exit__(self, *_):
+        self.lock.release()
+
+
+def test_a_stop_hits_nothing_else(monkeypatch):
+    """A call that ends by itself while it is being stopped: what its thread does next is
+    left alone.
+    """
+    from elastomdr.app import stage
+
+    raised, stops, calm = stage._raise_in, threading.Event(), []
+
+    def late(thread, exception):
+        if exception is not None:
+            stops.set()  # the call ends
+            work._lock.ending.wait(1)
+        raised(thread, exception)
+
+    def between():
+        try:
+            work(begun_and_stopped)
+        finally:
+            for _ in range(20):
+                time.sleep(0.1 if work._lock.taken == 1 else 0.001)
+                calm.append(True)
+
+    def begun_and_stopped():
+        begun.set()
+        stops.wait()
+
+    monkeypatch.setattr(stage, "_raise_in", late)
+    begun, work = threading.Event(), stage._Work()
+    work._lock = Held()
+    with ThreadPoolExecutor(1) as pool:
+        running = pool.submit(between)
+        begun.wait()
+        work.stop()
+        assert isinstance(running.exception(), CancelledError | None)
+        assert len(calm) == 20
+        assert pool.submit(sum, [1, 2]).result() == 3
 
 
 def test_an_uncertainty_gives_way(tmp_path, monkeypatch):

@@ -35,6 +35,7 @@ T = TypeVar("T")
 BUTTON = "no-caps unelevated"
 # seconds before it is shown that something takes time, and before it is said how long
 _PATIENCE, _LONG = 0.4, 2.0
+_AGAIN = 0.5  # seconds until a stop that had no effect is repeated
 # seconds that each kind of work took the last time, for the time left of the next
 _TOOK: dict[str, float] = {}
 
@@ -58,24 +59,39 @@ class _Work:
         self._lock, self._thread, self._stopped = threading.Lock(), 0, False
 
     def __call__(self, call: Callable[..., T], *arguments: Any) -> T:
-        with self._lock:
-            if self._stopped:
-                raise CancelledError
-            self._thread = threading.get_ident()
         try:
+            with self._lock:
+                if self._stopped:
+                    raise CancelledError
+                self._thread = threading.get_ident()
             return call(*arguments)
         finally:
-            with self._lock:
-                self._thread = 0
+            self._thread = 0  # from here on no stop begins
+            with self._lock:  # one that has begun hits this, or is taken back
+                _raise_in(threading.get_ident(), None)
 
     def stop(self) -> None:
         """Raises `CancelledError` in the thread, as soon as it is back in Python."""
         with self._lock:
             self._stopped = True
             if self._thread:
-                ctypes.pythonapi.PyThreadState_SetAsyncExc(
-                    ctypes.c_ulong(self._thread), ctypes.py_object(CancelledError)
-                )
+                _raise_in(self._thread, CancelledError)
+
+    def stop_until(self, done: Callable[[], bool]) -> None:
+        """Stops again and again, in the event loop, until it is done: Python drops an
+        exception that falls into a `__del__` or the callback of a weak reference.
+        """
+        if not done():
+            self.stop()
+            loop = asyncio.get_running_loop()
+            loop.call_later(_AGAIN, self.stop_until, done)
+
+
+def _raise_in(thread: int, exception: type[BaseException] | None) -> None:
+    """Raises an exception in a thread; None takes back one that it has not seen yet."""
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(
+        ctypes.c_ulong(thread), exception and ctypes.py_object(exception)
+    )
 
 
 class Busy:
@@ -109,10 +125,8 @@ class Busy:
 
     def stop(self) -> None:
         """Stops it; who waits for it gets a `CancelledError`."""
-        if self._work is not None and self._stopping is not None:
-            self._work.stop()
-            if not self._stopping.done():
-                self._stopping.set_result(None)
+        if self._stopping is not None and not self._stopping.done():
+            self._stopping.set_result(None)
 
     async def during(
         self,
@@ -139,6 +153,7 @@ class Busy:
             )
             if self._stopping.done():
                 result.add_done_callback(lambda stopped: stopped.exception())
+                self._work.stop_until(result.done)
                 raise CancelledError
             answer = await result
             if kind:
