@@ -44,7 +44,7 @@ FITTED = ("ahead", "further", "excess", "stiffer", "narrow")
 CELLS = 8  # of log q per decade: 1e-4 of mu
 FOLDS = 4
 FEW = 15  # points of a cell below which no bound is made of it alone
-# areas of a third party (GFMD, as quoted in `docs/theory.md`): elastic, H = 0.8, cutoffs
+# areas of a third party (GFMD, as quoted in `docs/accuracy.md`): elastic, H = 0.8, cutoffs
 # a factor of 100 apart, rms slope 0.2766
 GFMD = (
     (1e-4, 0.00083),

@@ -310,7 +310,7 @@ def test_citation_has_the_version_of_the_package():
 
 
 def test_theory_has_the_constants_of_multiscale():
-    text = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
+    text = " ".join((ROOT / "docs" / "theory.md").read_text("utf-8").split())
 
     def row(numbers, digits=""):
         return " | ".join(format(value, digits) for value in numbers) + " |"

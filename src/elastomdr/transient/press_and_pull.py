@@ -12,7 +12,7 @@ clearance c of the free surface before it, below a body at depth d,
 
 T = 2 pi a w on a half-space, 2 w on springs. So Gamma enters at the edge only, and
 memory by the relation of depth and force only: an argument, not a theorem
-(`docs/theory.md` compares with boundary elements). A threshold of displacement for
+(`docs/accuracy.md` compares with boundary elements). A threshold of displacement for
 an edge that recedes fails.
 
 All elements are exact in time for a depth that is linear over a step. An edge that is
