@@ -73,13 +73,43 @@ def test_what_it_does_not_follow_is_said():
     """
     heat = em.Heat(conductivity=0.2, heat_capacity=1.7e6)
     hot: Any = em.friction(RUBBER, ROAD, model=Toy(), heat=heat, **SCENE)
-    assert hot.model.endswith("(moving sources by length scale)")
+    assert hot.model.endswith("the mean over the length scales of Multiscale")
     assert (hot.temperature_rise > 0).all()
     softening = em.Softening([1e-3, 0.1], [1.0, 0.5], [1.0, 0.7])
     soft = dataclasses.replace(RUBBER, softening=softening)
     curve: Any = em.friction(soft, ROAD, model=Toy(), **SCENE)
     assert np.isnan(curve.model_error).all()
     assert "linear" in curve.model
+
+
+def test_it_has_the_temperatures_of_multiscale_on_either_branch():
+    rubber = em.Prony(
+        8e5,
+        8e5 * np.geomspace(400, 0.2, 12),
+        np.geomspace(1e-10, 10, 12),
+        shift=em.WLF(8.9, 101.6, 293.15),
+    )
+    road = em.SelfAffine(0.8, rms_slope=0.8, q_low=1e3, q_high=1e5)
+    shear = em.AdhesiveShear(4e7, 1e-4, 0.4, shift=em.Arrhenius(1.5e5, 293.15))
+    scene: Any = {"velocity": 0.015, "pressure": 3e5, "temperature": 263.0}
+    scene |= {"heat": em.Heat(0.25, 1.8e6), "adhesion": shear}
+    for branch, least, most in (("cold", 1.0, 25.0), ("hot", 30.0, 500.0)):
+        found, exact = (
+            em.friction(rubber, road, model=model, branch=branch, **scene)
+            for model in (Toy(), em.Multiscale())
+        )
+        assert found.other_states
+        assert least < found.contact_rise < most
+        assert found.contact_rise == pytest.approx(float(exact.contact_rise))
+        warm = em.friction(
+            rubber,
+            road,
+            model=Toy(),
+            velocity=0.015,
+            pressure=3e5,
+            temperature=263.0 + float(found.temperature_rise),
+        )
+        assert found.hysteresis == pytest.approx(float(warm.mu), rel=1e-12)
 
 
 def test_without_a_bound_its_model_error_is_not_known():

@@ -1,17 +1,15 @@
-"""Heat: moving sources against closed forms, the flash temperature against a slow
-integral, and its friction.
+"""Heat: moving sources against closed forms, and friction at the one flash temperature
+of lines.
 """
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.special import erf, i0e, k0e
 
 import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.element.law import surface_foundation
 from elastomdr.material.shift import thermal_factors
-from elastomdr.rough.flash import rise, scales
 from elastomdr.rough.heat import HIGHEST, highest_rise
 
 from ..refused import mentions, refused
@@ -113,98 +111,14 @@ def test_thermal_foundation_at_rest(shape):
     )
 
 
-def slow_rise(heat, material, velocity, reduced, pressure):
-    """The flash temperature per heat flux by adaptive quadrature, with P and s_q of
-    this function's own making.
-    """
-    g, e, tau = 4 * 0.5e6, 4 * np.asarray(material.moduli), np.asarray(material.times)
-    q = np.geomspace(SURFACE.q_low, SURFACE.q_high, 1500)
-    phi = (np.arange(64) + 0.5) * np.pi / 128
-    z = 1j * (q * reduced)[:, None, None] * np.cos(phi)[:, None] * tau
-    modulus = g + (e * z / (1 + z)).sum(-1)
-    grow = (
-        SURFACE.at(q) * q**4 / 8 * 2 * np.pi * (np.abs(modulus / pressure) ** 2).mean(1)
-    )
-    spread = np.concatenate(
-        [[0], np.cumsum(0.5 * np.diff(np.log(q)) * (grow[1:] + grow[:-1]))]
-    )
-    area = erf(0.5 / np.sqrt(np.maximum(spread, 1e-300)))
-    share = SURFACE.at(q) * q**4 * area * (np.cos(phi) * modulus.imag).mean(1)
-    share /= np.trapezoid(share, np.log(q))
-    w, far = (
-        velocity * heat.heat_capacity / (2 * heat.conductivity),
-        np.log(np.pi / SURFACE.q_low),
-    )
-
-    def excess(r):
-        return 1 / np.interp(np.log(np.pi / r), np.log(q), area) - 1
-
-    def over_r(k):
-        whole = np.hypot(w, k)
-
-        def f(y):
-            r = np.exp(y)
-            return (
-                r
-                * r
-                * excess(r)
-                * i0e(w * r)
-                * k0e(whole * r)
-                * np.exp((w - whole) * r)
-            )
-
-        return quad(f, far - 18, far, limit=200, epsrel=1e-5)[0]
-
-    def over_k(y):
-        k = np.exp(y)
-        return (
-            k
-            * over_r(k)
-            * np.trapezoid(share * 4 * q**2 / (k**2 + 4 * q**2), np.log(q)) ** 2
-        )
-
-    return (
-        2
-        / (np.pi * heat.conductivity)
-        * quad(over_k, np.log(1.0), np.log(1e8), limit=100, epsrel=1e-4)[0]
-    )
-
-
-def test_flash_temperature_against_adaptive_quadrature(curve):
-    factor = WLF.a(293.15 + curve.temperature_rise)
-    for i in (0, 2):
-        v = ASKED["velocity"][i]
-        per_flux = slow_rise(POOR, COMPOUND, v, v * factor[i], 5e4)
-        np.testing.assert_allclose(
-            curve.temperature_rise[i], per_flux * curve.heat_flux[i], rtol=3e-3
-        )
-
-
-def test_flash_temperature_of_rubber_with_vertical_shifts():
-    """All moduli times b_T are a contact under p/b_T; the heat is mu p v all the
-    same.
-    """
-    vertical = em.VerticalTable([273.15, 293.15, 393.15], [0.8, 1.0, 2.0])
-    rubber = em.Prony(
-        0.5e6, COMPOUND.moduli, COMPOUND.times, shift=WLF, vertical=vertical
-    )
-    found = hot(material=rubber, velocity=0.1)
-    kelvin = 293.15 + found.temperature_rise
-    assert vertical.b(kelvin) > 1.05
-    per_flux = slow_rise(
-        POOR, COMPOUND, 0.1, 0.1 * WLF.a(kelvin), 5e4 / vertical.b(kelvin)
-    )
-    np.testing.assert_allclose(
-        found.temperature_rise, per_flux * found.mu * 5e4 * 0.1, rtol=3e-3
-    )
-
-
-def test_heat_into_rubber_is_friction_power(curve):
-    # per length of the line, which carries p L
-    power = curve.friction_force * curve.velocity
-    np.testing.assert_allclose(
-        curve.heat_flux, power * 5e4 / curve.normal_force, rtol=1e-8
-    )
+def test_a_line_is_as_warm_as_multiscale_finds_it(curve):
+    """Of temperatures by length scale the mean; a road takes its part of the heat."""
+    by_scale = hot(model=em.Multiscale())
+    np.testing.assert_allclose(curve.temperature_rise, by_scale.temperature_rise)
+    np.testing.assert_allclose(curve.heat_flux, by_scale.heat_flux)
+    cooler = hot(em.Heat(0.005, 5e4, road=(1.0, 2e6)))
+    assert (cooler.road_share > 0).all()
+    assert (cooler.temperature_rise < curve.temperature_rise).all()
 
 
 def test_hot_curve_is_the_cold_one_at_its_own_temperature(curve):
@@ -222,12 +136,6 @@ def test_hot_curve_is_the_cold_one_at_its_own_temperature(curve):
 
 
 def test_limits_of_the_flash_temperature():
-    with_area = scales(em.half_space(COMPOUND), SURFACE, np.array([1.0]), 5e4)
-    still = [rise(RUBBER, with_area, np.array([v]))[0, 0] for v in (1e-9, 1e-7)]
-    np.testing.assert_allclose(still[0], still[1], rtol=2e-3)  # no Peclet number left
-    fast = [rise(RUBBER, with_area, np.array([v]))[0, 0] for v in (1e6, 1e8)]
-    # heated in its volume, for a time ~ 1/v
-    np.testing.assert_allclose(fast[0] / fast[1], 100.0, rtol=1e-2)
     good = hot(em.Heat(1e6, 1e12))
     np.testing.assert_allclose(good.mu, good.cold, rtol=1e-6)
     full = hot(pressure=1e9)  # heated evenly: no flash
@@ -245,42 +153,6 @@ def test_a_temperature_that_is_not_found():
     assert np.isnan(got.mu[~got.converged]).all()
     assert np.isnan(got.temperature_rise[~got.converged]).all()
     assert got.temperature_rise[0] < 7
-
-
-def test_branches_of_one_flash_temperature():
-    """Rubber that is glassy when cold slides without loss and stays cold; hot it makes
-    the heat that keeps it hot. Either is the cold curve at its own temperature.
-    """
-    glassy = em.Prony(
-        8e5,
-        8e5 * np.geomspace(400, 0.2, 12),
-        np.geomspace(1e-10, 10, 12),
-        shift=em.WLF(8.9, 101.6, 293.15),
-    )
-    road = em.SelfAffine(0.8, rms_slope=0.8, q_low=1e3, q_high=1e4)
-    asked = {"velocity": [0.1, 5.0], "pressure": 3e5, "model": "line"}
-    body, heat = {"temperature": 243.0}, em.Heat(0.1, 1.8e6)
-    cold, hot = (
-        em.friction(glassy, road, heat=heat, branch=branch, **asked, **body)
-        for branch in ("cold", "hot")
-    )
-    np.testing.assert_array_equal(cold.other_states, [False, True])
-    np.testing.assert_array_equal(hot.other_states, [False, True])
-    assert cold.mu[0] == pytest.approx(hot.mu[0], rel=1e-4)
-    assert cold.mu[1] < 1e-3
-    assert hot.mu[1] > 0.3
-    assert hot.temperature_rise[1] > 30
-    for curve in (cold, hot):
-        warm = em.friction(
-            glassy, road, **asked, temperature=243.0 + curve.temperature_rise
-        )
-        np.testing.assert_allclose(curve.mu, warm.mu, rtol=1e-6)
-        at = asked["velocity"][1]
-        reduced = at * glassy.shift.a(243.0 + curve.temperature_rise[1:])
-        places = scales(em.half_space(glassy), road, reduced, 3e5)
-        per_flux = rise(heat, places, np.array([at]))[0, 0]
-        made = per_flux * curve.mu[1] * 3e5 * at
-        assert curve.temperature_rise[1] == pytest.approx(made, rel=1e-4)
 
 
 @pytest.mark.parametrize(

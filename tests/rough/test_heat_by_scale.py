@@ -628,8 +628,6 @@ def test_bad_heat():
     ):
         with refused(*words):
             em.Heat(0.25, 2e6, road=road)
-    with refused("road", "em.Multiscale"):
-        em.friction(RUBBER, ROAD, heat=STONE, model=em.Line(), **ASKED)
 
 
 def test_the_series_for_jax_is_the_function_of_bessel():

@@ -250,13 +250,6 @@ def check_heat(
             got=heat,
             accepted="an em.Heat(conductivity, heat_capacity)",
         )
-    if heat.road is not None and not by_scale:
-        raise InputError(
-            argument="road",
-            got=heat.road,
-            accepted="left out of heat without em.Multiscale() or em.Persson()",
-            hint="other models heat the rubber alone",
-        )
     if temperature is None:
         raise InputError(
             argument="temperature",
@@ -278,7 +271,7 @@ def highest_rise(body: SteadyBody, temperature: Array) -> Any:
 
 
 def why_no_state(
-    runaway: np.ndarray, body: SteadyBody, temperature: np.ndarray
+    runaway: Array, body: SteadyBody, temperature: Array
 ) -> list[tuple[str, str]]:
     """A row for results with points at which friction makes more heat than is led away
     up to the highest rise.

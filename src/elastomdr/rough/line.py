@@ -13,6 +13,7 @@ from ..call.extrapolation import excited_outside, rough_beyond
 from ..call.problem import SteadyScene
 from ..checks import in_float64, warn_unless
 from ..errors import ModelWarning, warn
+from ..material.shift import thermal_factors
 from ..models import Line as LineModel
 from ..results.curve import FrictionCurve, Lines
 from ..smooth.problem import AVERAGED, BARE
@@ -28,25 +29,23 @@ from .ensemble import (
     on_enough_samples,
     solutions,
 )
-from .flash import SETTLED, Flash, warmed
 from .heat import NO_STATE, Branch, Heat, why_no_state
 from .line_problem import RoughScene, check, factor, load_level, missed
+from .local_modulus import Local
 from .periodic import Job, SolvedLine, solve_lines, strides_of
 from .problem import RoughCall
-from .surface import SOFTENING_LEFT_OUT, excited_beyond
+from .road_models import Multiscale
+from .surface import HOT, SOFTENING_LEFT_OUT, excited_beyond
+from .temperature_by_scale import Problem, Warm, warmed
 
 if TYPE_CHECKING:
     from ..call.types import Surface
     from ..checks import Array
 
-_COARSE = 1e-4  # tolerance of the curve on which the flash temperature is looked for
 _LINES = "MDR line (textbook; on a surface too low, the more so the wider its spectrum)"
 _AVERAGED_LINES = (
     "MDR line averaged over directions (on a surface too low, the more so the wider "
     "its spectrum)"
-)
-_FLASH = (
-    "; rubber at the flash temperature of its contacts (moving sources by length scale)"
 )
 
 
@@ -68,39 +67,36 @@ class _Solver:
             mean = mean._replace(mu=0 * mean.mu, error=0 * mean.error)
         return mean
 
-    def warm(self, heat: Heat, cold: Mean, branch: Branch) -> Flash:
-        """The points of the scene, at the temperatures that their friction makes."""
-        points, length = self.scene.at, self.scene.length
+    def warm(self, heat: Heat, branch: Branch) -> Warm:
+        """The temperatures that the friction of Multiscale makes."""
+        points = self.scene.at
         assert isinstance(self.surface, AbstractSpectrum)  # `check` refuses others
-
-        def at_pressure(
-            reduced: np.ndarray, pressure: np.ndarray, coarse: bool
-        ) -> Mean:
-            return self.mean(reduced, pressure * length, coarse)
-
-        return warmed(
-            heat,
+        velocity, temperature, pressure = (
+            points.full(a).ravel()
+            for a in (points.velocity, points.temperature, points.value)
+        )
+        problem = Problem(
             points.foundation,
             self.surface,
-            points.full(points.velocity).ravel(),
-            points.full(points.temperature).ravel(),
-            self.scene.given * points.vertical.ravel() / length,
-            cold,
-            at_pressure,
-            branch == "hot",
+            Local(),
+            heat,
+            None,
+            velocity,
+            np.ravel(points.reduced),
+            temperature,
+            pressure,
+            pressure / points.vertical.ravel(),
         )
+        return warmed(problem, Multiscale(), branch == "hot")
 
-    def mean(
-        self, reduced: np.ndarray, value: np.ndarray, coarse: bool = False
-    ) -> Mean:
+    def mean(self, reduced: np.ndarray, value: np.ndarray) -> Mean:
         """Mean over the lines at v a_T and line loads or depths, on so many samples
-        that the error from the sampling is small, unless `coarse`.
+        that the error from the sampling is small.
         """
         scene = self.scene
-        tolerance = max(_COARSE, self.rtol) if coarse else self.rtol
-        ask = LinePoints(reduced, value, scene.control, tolerance)
+        ask = LinePoints(reduced, value, scene.control, self.rtol)
         mean = self._on(ask, scene.lines)
-        if coarse or self.model.samples is not None:
+        if self.model.samples is not None:
             return mean
 
         def finer(ask: LinePoints, samples: int) -> Mean:
@@ -131,15 +127,15 @@ class _LineAnswer(NamedTuple):
 
     mean: Mean
     cold: Array  # mu at the temperatures that are given
-    warm: Flash | None
+    warm: Warm | None
     reduced: np.ndarray  # v a_T at the raised temperature, in the shape of the call
     vertical: np.ndarray  # b_T at the raised temperature
     error: Array  # numerical error of mu
     good: Array
 
-    def rise(self) -> np.ndarray | float:
+    def rise(self) -> Array | float:
         """The flash temperature [K], in the shape of the call; zero without heat."""
-        return 0.0 if self.warm is None else self.warm.rise.reshape(self.reduced.shape)
+        return 0.0 if self.warm is None else self.warm.mean.reshape(self.reduced.shape)
 
 
 @in_float64
@@ -149,8 +145,8 @@ def rough_friction(call: RoughCall, model: LineModel) -> FrictionCurve:
     scene = check(call, model)
     solver = _Solver(scene, call, model)
     cold = solver.cold()
-    warm = None if heat is None else solver.warm(heat, cold, call.branch)
-    answer = _judge(scene, cold, warm)
+    warm = None if heat is None else solver.warm(heat, call.branch)
+    answer = _judge(solver, cold, warm)
     points, foundation = scene.at, scene.at.foundation
     states: list[tuple[str, str]] = []
     if warm is not None:
@@ -174,18 +170,23 @@ def rough_friction(call: RoughCall, model: LineModel) -> FrictionCurve:
     )
 
 
-def _judge(scene: RoughScene, cold: Mean, warm: Flash | None) -> _LineAnswer:
+def _judge(solver: _Solver, cold: Mean, warm: Warm | None) -> _LineAnswer:
     """The answer at the temperatures that friction makes, if it heats, and which points
     have one.
     """
-    points, mean = scene.at, cold if warm is None else warm.mean
-    error = mean.error
+    scene, mean = solver.scene, cold
+    points, error, known = scene.at, cold.error, cold.good
+    reduced, vertical = np.ravel(points.reduced), np.ravel(points.vertical)
     if warm is not None:
-        error = error + SETTLED * np.abs(mean.mu - cold.mu)
-    coarse = mean.good & coarse_at(error, mean.mu)
-    good = mean.good & ~coarse
-    reduced = np.ravel(points.reduced) if warm is None else warm.reduced
-    vertical = np.ravel(points.vertical) if warm is None else warm.vertical
+        given = points.full(points.temperature).ravel() + warm.known()
+        factor, hotter = thermal_factors(points.foundation, given)
+        reduced = points.full(points.velocity).ravel() * factor
+        vertical, value = hotter * np.ones(given.shape), scene.given * vertical
+        mean = solver.mean(reduced, value / vertical)
+        power = points.full(points.velocity * points.value).ravel()
+        error = mean.error + abs(mean.mu) * warm.relative_error(power)
+        known = mean.good & warm.good
+    good = known & ~coarse_at(error, mean.mu)
     return _LineAnswer(
         mean, cold.mu, warm, reduced.reshape(points.shape), vertical, error, good
     )
@@ -270,9 +271,10 @@ def _report(
         return curve
     return dataclasses.replace(
         curve,
-        temperature_rise=field(warm.rise),
+        temperature_rise=field(warm.mean),
         cold=field(answer.cold),
-        heat_flux=field(warm.heat),
+        heat_flux=field(warm.flux * (1 - warm.to_road)),
+        road_share=field(warm.to_road),
         other_states=warm.several.reshape(points.shape),
     )
 
@@ -343,7 +345,7 @@ def _model(scene: RoughScene, average: bool, heat: Heat | None) -> str:
         if scene.length is not None
         else (AVERAGED if average else BARE)
     )
-    return line + scene.rule + ("" if heat is None else _FLASH)
+    return line + scene.rule + ("" if heat is None else HOT)
 
 
 def surface_words(surface: Surface, line: RoughLine) -> str:

@@ -47,7 +47,7 @@ from .against_lay import Directed
 from .heat import NO_STATE, Heat, check_heat, why_no_state
 from .local_modulus import Local, SoftenedByScale
 from .problem import RoughCall, strained_beyond
-from .road_model import RoadProblem, SurfaceFriction, SurfaceModel, WaveByWave
+from .road_model import RoadProblem, SurfaceFriction, SurfaceModel
 from .road_models import HalfSpace, Multiscale, Persson
 
 if TYPE_CHECKING:
@@ -55,12 +55,9 @@ if TYPE_CHECKING:
     from ..arrays import Array
     from ..call.types import SteadyBody
     from ..results.doubts import Kind
-    from .flash import Flash
     from .temperature_by_scale import Warm
 
-_HOT = (
-    "; rubber at the flash temperature of its contacts (moving sources by length scale)"
-)
+HOT = "; rubber at one flash temperature, the mean over the length scales of Multiscale"
 _HOT_BY_SCALE = (
     "; rubber at a temperature for each length scale, heated by its friction"
 )
@@ -127,7 +124,6 @@ class _Answer(NamedTuple):
     hot: SurfaceFriction  # at the temperatures that friction makes
     cold: SurfaceFriction  # at the temperatures that are given
     problem: RoadProblem  # at velocity and pressure that are given, with local rises
-    warm: Flash | None  # one flash temperature
     by_scale: Warm | None  # temperatures by length scale
     # v a_T at the temperature of the real contact, in the shape of the call
     reduced: Array
@@ -135,12 +131,6 @@ class _Answer(NamedTuple):
     def field(self, shape: tuple[int, ...], values: Array) -> Array:
         """`values` in the shape of the call, NaN where there is no answer."""
         return nan_unless(self.hot.good, values).reshape(shape)
-
-    def warmed(self) -> Any:
-        """The temperatures that friction makes, one for all or by scale; None without
-        heat.
-        """
-        return self.warm if self.by_scale is None else self.by_scale
 
     def longest(self, scene: SteadyScene) -> Any:
         """v a_T of the longest waves, flat: at the temperature of the body, where each
@@ -153,9 +143,9 @@ class _Answer(NamedTuple):
         """The largest rise of temperature at which moduli are taken [K], in the shape
         of the call; zero without heat.
         """
-        if self.by_scale is not None:
-            return self.by_scale.warmed.rise.max(-1).reshape(self.reduced.shape)
-        return 0.0 if self.warm is None else self.warm.rise.reshape(self.reduced.shape)
+        if self.by_scale is None:
+            return 0.0
+        return self.by_scale.warmed.rise.max(-1).reshape(self.reduced.shape)
 
 
 class _Strained(NamedTuple):
@@ -201,9 +191,9 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     answer = _solve(call, scene, model, problem)
     states: list[tuple[str, str]] = []
     if not scene.traced:
-        if heat is not None:
+        if answer.by_scale is not None:
             temperature = scene.full(scene.temperature).ravel()
-            states = why_no_state(answer.warmed().runaway, foundation, temperature)
+            states = why_no_state(answer.by_scale.runaway, foundation, temperature)
         _warn_of_failed(answer.hot, states, rtol)
     outside = _outside(foundation.range, surface, scene, answer)
     of_data = (
@@ -255,18 +245,9 @@ def _solve(
     cold = model.solve(problem)
     if not scene.traced:
         hardly_pressed(scene.full(scene.value).ravel(), cold.area, cold.good)
-    answer = _Answer(cold, cold, problem, None, None, scene.reduced)
+    answer = _Answer(cold, cold, problem, None, scene.reduced)
     if call.heat is None:
         return answer
-    by_wave = model.by_wave()
-    if by_wave is not None:
-        return _heated_by_scale(call, call.heat, model, by_wave, scene, answer)
-    if call.adhesion is not None:
-        raise InputError(
-            argument="model",
-            got=model,
-            accepted=named(Multiscale(), Persson()) + " for heat with adhesion",
-        )
     return _heated(call, call.heat, model, scene, answer)
 
 
@@ -277,45 +258,15 @@ def _heated(
     scene: SteadyScene,
     answer: _Answer,
 ) -> _Answer:
-    """Friction at the one flash temperature that it makes."""
-    from .flash import SETTLED, warmed
-
-    def again(
-        reduced: np.ndarray, pressure: np.ndarray, coarse: bool
-    ) -> SurfaceFriction:
-        return model.solve(problem._replace(velocity=reduced, pressure=pressure))
-
-    velocity, temperature, pressure = (
-        scene.full(a).ravel() for a in (scene.velocity, scene.temperature, scene.value)
-    )
-    cold, problem = answer.cold, answer.problem
-    given = velocity, temperature, pressure
-    warm = warmed(heat, *problem[:2], *given, cold, again, call.branch == "hot")
-    heated = cold._replace(
-        mu=warm.mean.mu,
-        area=warm.mean.area,
-        good=warm.mean.good,
-        error=warm.mean.error + SETTLED * np.abs(warm.mean.mu - cold.mu),
-    )
-    reduced = warm.reduced.reshape(scene.shape)
-    return answer._replace(hot=heated, warm=warm, reduced=reduced)
-
-
-def _heated_by_scale(
-    call: RoughCall,
-    heat: Heat,
-    model: SurfaceModel,
-    by_wave: WaveByWave,
-    scene: SteadyScene,
-    answer: _Answer,
-) -> _Answer:
-    """Friction at the temperatures by length scale that it makes."""
+    """Friction at the temperatures by length scale that it makes; of a model that takes
+    one for all, at their mean for the friction of Multiscale.
+    """
     from .temperature_by_scale import Problem, warmed
 
     velocity, temperature, pressure = (
         scene.full(a).ravel() for a in (scene.velocity, scene.temperature, scene.value)
     )
-    problem = answer.problem
+    problem, by_wave = answer.problem, model.by_wave()
     foundation, surface, reduced, reduced_pressure, local, *_ = problem
     scales = Problem(
         foundation,
@@ -329,11 +280,20 @@ def _heated_by_scale(
         pressure,
         reduced_pressure,
     )
-    by_scale = warmed(scales, by_wave, call.branch == "hot")
-    problem = problem._replace(local=local._replace(warmed=by_scale.warmed))
+    by_scale = warmed(scales, by_wave or Multiscale(), call.branch == "hot")
+    if by_wave is None:
+        factor, vertical = thermal_factors(foundation, temperature + by_scale.known())
+        problem = problem._replace(
+            velocity=velocity * factor, pressure=pressure / vertical
+        )
+    else:
+        problem = problem._replace(local=local._replace(warmed=by_scale.warmed))
     heated = model.solve(problem)
     good = heated.good & answer.cold.good & by_scale.good
-    heated = heated._replace(error=heated.error + by_scale.error, good=good)
+    error = by_scale.error
+    if by_wave is None:
+        error = abs(heated.mu) * by_scale.relative_error(velocity * pressure)
+    heated = heated._replace(error=heated.error + error, good=good)
     factor, _ = thermal_factors(foundation, temperature + by_scale.contact)
     reduced = scene.full(scene.velocity) * factor.reshape(scene.shape)
     return answer._replace(
@@ -510,23 +470,14 @@ def _with_heat(
 ) -> FrictionCurve:
     """The temperatures that friction makes, beside mu without them."""
     field = partial(answer.field, scene.shape)
-    warm, by_scale, cold = answer.warm, answer.by_scale, field(answer.cold.mu)
-    others = answer.warmed().several.reshape(scene.shape)
-    if by_scale is None:
-        assert warm is not None
-        return dataclasses.replace(
-            curve,
-            temperature_rise=field(warm.rise),
-            cold=cold,
-            heat_flux=field(warm.heat),
-            other_states=others,
-        )
+    by_scale = answer.by_scale
+    assert by_scale is not None
     return dataclasses.replace(
         curve,
-        other_states=others,
+        other_states=by_scale.several.reshape(scene.shape),
         temperature_rise=field(by_scale.mean),
         contact_rise=field(by_scale.contact),
-        cold=cold,
+        cold=field(answer.cold.mu),
         heat_flux=field(by_scale.flux * (1 - by_scale.to_road)),
         road_share=None if heat.road is None else field(by_scale.to_road),
     )
@@ -801,7 +752,7 @@ def _plan(
 def _hot(model: SurfaceModel, heat: Heat | None) -> str:
     if heat is None:
         return ""
-    return _HOT if model.by_wave() is None else _HOT_BY_SCALE
+    return HOT if model.by_wave() is None else _HOT_BY_SCALE
 
 
 def _check(
