@@ -4,6 +4,7 @@ links lead somewhere.
 
 import re
 import shlex
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -125,6 +126,9 @@ def words(figure: Path) -> list[str]:
 def test_python_runs(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
+    if page.name != "README.md":
+        for file in (ROOT / "examples").glob("*/*.csv"):
+            shutil.copy(file, tmp_path)
     for block in blocks(page, "python"):
         exec(compile(block, page.name, "exec"), names)
     if page.name == "README.md":

@@ -114,7 +114,7 @@ ROLLING = Screen(
             "rolling", ConveyorScene, "Power of a belt conveyor", first=_ROLLING
         ),
     },
-    "wheel",
+    "belt",
 )
 TYRE = Screen(
     "tyre",

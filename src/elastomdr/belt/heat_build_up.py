@@ -247,7 +247,7 @@ def heat_build_up(
     heat flow that is linear between 49 temperatures; its error is estimated from every
     second of them. The steady state is differentiable as `rolling` is.
 
-    Source: derived in `docs/wheel.md`.
+    Source: `docs/belt.md`.
     """
     foundation: Any = (
         material if isinstance(material, Layer) else as_foundation(material)
