@@ -37,8 +37,6 @@ DEFENDED = {
     "Result.to_dict()",  # arrays and texts by name
     # those of `plot`, which each class of results has of its own
     "Result.interactive(options)",
-    "Result.png(options)",
-    "Slide.png(options)",
     "save_material(info)",
     "calibrate(scene)",  # any other argument of the verb
     "sweep(fixed)",

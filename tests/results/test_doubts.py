@@ -125,28 +125,6 @@ def test_a_doubt_is_found_in_all_that_is_made_of_a_curve(kind, tmp_path):
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_a_cold_law_has_the_doubts_of_cold_rubber():
-    """Rubber whose data end where only its hot contacts are."""
-    known = em.Prony(
-        8e5,
-        8e5 * np.geomspace(400, 0.2, 12),
-        np.geomspace(1e-10, 10, 12),
-        shift=em.WLF(8.9, 101.6, 293.15),
-        range={"temperature": (250.0, 300.0)},
-    )
-    given = {"velocity": [0.01, 0.1, 1.0], "pressure": 3e5, "temperature": 293.15}
-    hot = em.friction(known, ROAD, heat=em.Heat(0.25, 1.8e6), **given)
-    assert hot.law().extrapolated.any()
-    law, cold = hot.law(cold=True), em.friction(known, ROAD, **given)
-    np.testing.assert_array_equal(np.ravel(law.mu), hot.cold)
-    assert not law.extrapolated.any()
-    assert kinds(law.doubts) == kinds(cold.doubts)
-    # without its call, as out of a file, nothing is said to be surer than it is
-    bare = dataclasses.replace(hot, again=None)
-    assert bare.law(cold=True).extrapolated.any()
-
-
-@pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("kind", MADE)
 def test_traction_has_the_doubts_of_its_law(kind, tmp_path):
     curve = MADE[kind]()

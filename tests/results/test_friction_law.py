@@ -141,7 +141,6 @@ def test_from_a_curve(tmp_path):
     )
     law = curve.law()
     np.testing.assert_array_equal(law.mu, curve.mu[..., ::-1])
-    np.testing.assert_array_equal(curve.law(cold=True).mu, curve.cold[..., ::-1])
     curve.to_csv(tmp_path / "curve.csv")
     np.testing.assert_array_equal(em.load_friction(tmp_path / "curve.csv").mu, law.mu)
     assert "friction law" not in curve.summary()
@@ -149,10 +148,6 @@ def test_from_a_curve(tmp_path):
         rubber, em.Paraboloid(1e-2), velocity=[0.1, 1.0], load=1.0, model=em.Line()
     )
     assert smooth.law().temperature is None
-    with pytest.raises(
-        em.InputError, match="cold must be False for a curve without heat"
-    ):
-        smooth.law(cold=True)
 
 
 E, G, R, A = 4e6, 4e6 * 2 / 3, 0.01, 2e-3

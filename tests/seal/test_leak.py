@@ -333,7 +333,7 @@ def test_table_summary_and_figure(tmp_path):
     ax = found.plot()
     assert ax.get_yscale() == "log"
     assert "Leak rate" in ax.get_ylabel()
-    assert found.png(show="mean_gap").startswith(b"\x89PNG")
+    assert "gap" in found.plot(show="mean_gap").get_ylabel()
     with refused("show", "rate"):
         found.plot(show="leak")
 
@@ -384,7 +384,7 @@ def test_a_leak_that_was_nowhere_found_is_drawn():
     nowhere = dataclasses.replace(
         found, rate=unknown, model_error=unknown, converged=np.zeros(3, bool)
     )
-    assert nowhere.png().startswith(b"\x89PNG")
+    assert nowhere.plot().has_data()
 
 
 def measured(peklenik=1.0, skewness=0.0, error=0.0):

@@ -87,7 +87,6 @@ else:
     Array = np.ndarray
 
 T = TypeVar("T")
-_ROWS = 1_048_576  # of a sheet
 # rows of draws that are said of the first that has them: each draw has its own numbers
 _OF_A_DRAW = ("heights", "direction")
 
@@ -761,15 +760,6 @@ class Result:
             )
         openpyxl = _package("openpyxl", "excel")
         columns = self.columns()
-        rows = len(next(iter(columns.values())))
-        if rows >= _ROWS:
-            raise InputError(
-                argument="path",
-                got=str(path),
-                accepted=f"that of a text for more than the {_ROWS - 1} rows of a "
-                "workbook's sheet",
-                hint=f"there are {rows}: use to_csv",
-            )
         values = zip(*(column.tolist() for column in columns.values()), strict=True)
         meanings = [[q.label, q.path, q.unit, q.meaning] for q in self.fields()]
         book = openpyxl.Workbook()
@@ -925,16 +915,6 @@ class Result:
         plotly = _package("plotly.subplots", "interactive")
         make = plotly.subplots.make_subplots
         return as_plotly(make, self.plot(title=title, **options))
-
-    def png(
-        self, title: str | None = None, style: "Style | None" = None, **options: Any
-    ) -> bytes:
-        """The figure as a PNG image, 200 dots per inch (300 in the style "paper");
-        `options` are those of `plot`.
-        """
-        from .plotting import saved
-
-        return saved(self.plot(style=style, title=title, **options), self.model)
 
 
 def _package(name: str, extra: str) -> Any:

@@ -365,14 +365,12 @@ class FrictionCurve(AbstractCurve):
         if left_out:
             yield f"not in the band: {', '.join(left_out)}"
 
-    def law(self, cold: bool = False) -> FrictionLaw:
+    def law(self) -> FrictionLaw:
         """mu(v, T, p) on the grid of this curve, to be interpolated, written, and given
         to `em.traction`.
 
-        Temperature and nominal pressure are axes where they were given. `cold` takes
-        the friction without flash heating, with the doubts that it has without: these
-        are looked for by a call without heat. Raises `InputError` where the points do
-        not fill a grid, and for several materials.
+        Temperature and nominal pressure are axes where they were given. Raises
+        `InputError` where the points do not fill a grid, and for several materials.
         """
         if self.origins:
             raise InputError(
@@ -382,29 +380,13 @@ class FrictionCurve(AbstractCurve):
                 hint="choose it by .select(name)",
             )
         fields = {q.key: value.ravel() for q, value in self.fields().items()}
-        if cold and "cold" not in fields:
-            raise InputError(
-                argument="cold",
-                got=cold,
-                accepted="False for a curve without heat, which is the cold one",
-            )
         points = {
             name: fields[name]
             for name in ("velocity", "temperature", "pressure")
             if name in fields
         }
-        doubts = self._of_cold() if cold else self.examined()
-        mu = fields["cold" if cold else "mu"]
-        return gridded({**points, "mu": mu}, carried(doubts, np.ravel, failed=True))
-
-    def _of_cold(self) -> Iterator[Doubt]:
-        """The doubts of the friction without heating; where the call is not known those
-        of the rubber that is hot.
-        """
-        cold = self._once_more(Change(heated=False))
-        if cold is None:
-            return (doubt for doubt in self.examined() if doubt.kind != "hot branch")
-        return cold.examined()
+        doubts = carried(self.examined(), np.ravel, failed=True)
+        return gridded({**points, "mu": fields["mu"]}, doubts)
 
     def _once_more(self, change: Change) -> Judged | None:
         """The curve with one thing changed; None where it cannot be computed."""

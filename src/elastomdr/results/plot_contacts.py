@@ -13,7 +13,6 @@ from .axes import Curve
 from .plotting import (
     LOG_RATIO,
     PALETTE,
-    Dots,
     Drawable,
     DrawAsk,
     DrawnLine,
@@ -21,12 +20,10 @@ from .plotting import (
     ResultSketch,
     Shaded,
     Trace,
-    canvas_of,
     draw,
     figure_of,
     frame,
     logarithmic_if_wide,
-    unit_of,
 )
 from .words import in_unit, in_words
 
@@ -63,16 +60,6 @@ def draw_impact(result: Drawable, ask: DrawAsk) -> Axes:
     smooth = CubicSpline(time, force)(fine)
     line = DrawnLine(curve, order, fine, fine, smooth, colour, "-", doubted)
     sketch.curve(line)
-    turn = time.size // 2
-    sketch.add(
-        Dots(
-            time[turn : turn + 1],
-            force[turn : turn + 1],
-            colour=colour,
-            size=3.0,
-            silent=True,
-        )
-    )
     sketch.ax.set(ylim=(0, None), xlim=(0, None))
     return sketch.finish()
 
@@ -82,10 +69,7 @@ def draw_indentation(result: Drawable, ask: DrawAsk) -> Axes:
     given axes the last alone.
     """
     fields = {q.key: values for q, values in result.fields(None).items()}
-    unit, scale = _force_unit(fields["force"], ask.ax)
-    sketch = ResultSketch(
-        result, ask, panels=Panels(2, 2), labels=("", f"Force [{unit}]")
-    )
+    sketch = ResultSketch(result, ask, panels=Panels(2, 2))
     if sketch.canvas.several:
         sketch.ax = sketch.canvas.panels[3]
     keys = ("depth", "force", "contact_radius") if sketch.canvas.several else ()
@@ -100,7 +84,6 @@ def draw_indentation(result: Drawable, ask: DrawAsk) -> Axes:
         since = np.where(t > t[0], t - t[0], np.nan) if log else t - t[0]
         for key, panel in histories.items():
             y = sketch.shown(key, line.curve)
-            y = scale * y if key == "force" else y
             sketch.add(
                 Trace(
                     since,
@@ -111,15 +94,13 @@ def draw_indentation(result: Drawable, ask: DrawAsk) -> Axes:
                     ax=panel,
                 )
             )
-        sketch.curve(
-            line._replace(y=scale * line.y), label=label if len(labels) > 1 else ""
-        )
+        sketch.curve(line, label=label if len(labels) > 1 else "")
     from_zero = not log and (rows[:, 0] == 0).all()
     for key, panel in histories.items():
         panel.set(
             xscale="log" if log else "linear",
             xlabel="Time [s]" if from_zero else "Time since the first instant [s]",
-            ylabel=sketch.labels[1] if key == "force" else sketch.about[key].axis_label,
+            ylabel=sketch.about[key].axis_label,
         )
     return sketch.finish()
 
@@ -139,22 +120,6 @@ def _largest_in_words(sketch: ResultSketch) -> list[str]:
     return depth if sum(map(len, depth)) < sum(map(len, force)) else force
 
 
-def _force_unit(force: np.ndarray, ax: Axes | None) -> tuple[str, float]:
-    """The unit of forces in a figure, and what one newton is in it: that of what has
-    been drawn there before.
-    """
-    units = {"kN": 1e-3, "N": 1.0, "mN": 1e3, "µN": 1e6}
-    canvas = canvas_of(ax)
-    if canvas is not None and canvas.entries:
-        unit = unit_of(canvas.entries[0].labels[1])
-        return unit, units.get(unit, 1.0)
-    largest = float(np.nanmax(np.abs(force), initial=0.0))
-    return next(
-        ((unit, scale) for unit, scale in units.items() if largest * scale >= 1),
-        ("N", 1.0),
-    )
-
-
 def draw_line_contact(result: Drawable, ask: DrawAsk) -> Axes:
     """Draws the line and the rubber's surface, with what touches in colour."""
     sketch = ResultSketch(result, ask)
@@ -172,9 +137,6 @@ def draw_line_contact(result: Drawable, ask: DrawAsk) -> Axes:
             label += f", {share} of the line (not the real contact area)"
         in_contact = np.where(touching, rubber, np.nan)
         sketch.add(Trace(x, in_contact, label, colour=_TOUCHING, width=1.3))
-        # a single sample draws no line
-        alone = touching & ~np.roll(touching, 1) & ~np.roll(touching, -1)
-        sketch.add(Dots(x[alone], rubber[alone], colour=_TOUCHING, mark="."))
     known = [float(y) for y in (*line, *rubber) if np.isfinite(y)]
     if known:
         top = min(0.0, float(np.min(rubber, where=np.isfinite(rubber), initial=0.0)))

@@ -36,7 +36,7 @@ from .plotting import (
     in_short,
     intervals,
 )
-from .words import in_unit, in_words
+from .words import in_unit, in_words, span
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,8 +52,6 @@ if TYPE_CHECKING:
 _VISIBLE = 0.004  # part of the figure's height from which an error band can be seen
 # distance from a curve's up to which a measured point takes its colour [K]
 SAME_TEMPERATURE = 2.0
-# markers of measured points by temperature, where nothing was computed
-_WITHOUT_CURVE = "s^Dv<>"
 _UNSTABLE = "#c03030"
 
 
@@ -227,8 +225,7 @@ def _draw_measured(
     sketch: ResultSketch, points: Mapping[str, np.ndarray], lines: list[DrawnLine]
 ) -> None:
     """Draws points in the colour of the curve at their temperature, in black where
-    there is none, with a marker and a label for each temperature, or one for all where
-    these are many.
+    there is none.
     """
     v, mu = points["velocity"], points["mu"]
     measured_at = points.get("temperature")
@@ -262,14 +259,7 @@ def _draw_measured(
         mark(near, "o", line.colour, in_words("temperature", float(temperature[0])))
         left &= ~near
     note = " (no curve)" if computed_at is not None else ""
-    means = grouped(measured_at[left])
-    texts = [in_words("temperature", mean) for mean in means]
-    if len(means) > len(_WITHOUT_CURVE):
-        mark(left, "s", INK, f"{texts[0]} to {texts[-1]}{note}")
-        return
-    nearest = np.abs(measured_at[:, None] - np.array(means or [0.0])).argmin(axis=1)
-    for k, (text, symbol) in enumerate(zip(texts, _WITHOUT_CURVE, strict=False)):
-        mark(left & (nearest == k), symbol, INK, text + note)
+    mark(left, "s", INK, f"{span(in_unit(measured_at[left], '°C'), 'degC')}{note}")
 
 
 def grouped(temperature: np.ndarray) -> list[float]:

@@ -51,7 +51,6 @@ class Change(NamedTuple):
     stress: float = 1.0  # factor on the shear stress
     beyond: float = 1.0  # factor on moduli beyond the data of the rubber
     decades: float = 0.0  # by which these begin further out than the data end
-    heated: bool = True
 
 
 class Judged(Protocol):

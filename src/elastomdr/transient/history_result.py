@@ -351,15 +351,6 @@ class Slide(_OverSurface):
 
         return self._draw(partial(draw, x=against), DrawAsk(ax, style, title, label))
 
-    def png(
-        self, title: str | None = None, style: "Style | None" = None, **options: Any
-    ) -> bytes:  # as of every result
-        """The figure as a PNG image: against position where it moves, since a rest may
-        take most of the time.
-        """
-        against = "position" if np.ptp(self.position) > 0 else "time"
-        return super().png(title, style, **{"against": against, **options})
-
 
 @record
 class Drive(_OverSurface):

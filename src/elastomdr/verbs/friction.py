@@ -75,8 +75,6 @@ class CallAgain:
         try:
             if isinstance(call, RoughCall):
                 given |= {"surface": _altered(call.surface, change), "progress": None}
-                if not change.heated:
-                    given |= {"heat": None, "branch": "cold"}
             with quiet():
                 return _once_more(
                     self.solve, dataclasses.replace(call, **given), adhesion
