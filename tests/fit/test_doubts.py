@@ -160,29 +160,6 @@ def test_two_measurements_that_contradict_each_other_are_said_by_how_much():
         assert not any("thermorheologically" in text for text in fit.warnings)
 
 
-@pytest.mark.parametrize(
-    ("celsius", "factor", "said"),
-    [([20.0], 1.1, "at 20 degC"), (STEPS, 0.85, "-20, -10")],
-)
-def test_a_second_pass_that_differs_is_no_scatter(celsius, factor, said):
-    again = data(celsius, seed=1, noise=0.02)
-    again = em.fit.dma(
-        again.omega,
-        factor * again.storage,
-        factor * again.loss,
-        again.temperature,
-        kind=again.kind,
-    )
-    master = em.fit.master_curve(em.fit.join(data(noise=0.02), again), 293.15)
-    (text,) = (text for text in master.warnings if "are repeated" in text)
-    assert said in text
-    assert "another sample" in text
-    quiet = em.fit.master_curve(
-        em.fit.join(data(noise=0.02), data(celsius, seed=1, noise=0.02)), 293.15
-    )
-    assert not any("are repeated" in text for text in quiet.warnings)
-
-
 def test_a_law_that_misses_the_data_is_said():
     """Arrhenius' law for what WLF's is true of, forced on it."""
     found = em.fit.material(data(), 293.15, law="Arrhenius", vertical=False)

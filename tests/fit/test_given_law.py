@@ -64,7 +64,7 @@ def test_a_temperature_sweep_at_one_frequency_needs_a_law():
 @pytest.mark.parametrize(
     "law",
     [
-        LAW.to_vft(),
+        em.VFT(np.log(10) * LAW.c1 * LAW.c2, LAW.reference - LAW.c2, LAW.reference),
         em.ShiftTable(
             np.arange(223.15, 334, 2), LAW.log10_a(np.arange(223.15, 334, 2))
         ),

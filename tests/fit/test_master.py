@@ -306,10 +306,6 @@ def test_refusals():
             "vertical must be True or False",
         ),
         (
-            lambda: em.fit.master_curve(dma, 293.15, tolerance=0),
-            "tolerance must be positive",
-        ),
-        (
             lambda: em.fit.master_curve(
                 em.fit.dma([1.0], [1e6], [1e5], 293.15, kind="shear")
             ),

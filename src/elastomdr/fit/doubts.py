@@ -63,7 +63,7 @@ def of_shifts(judged: JudgedShifts) -> Iterator[str]:
             "The joint fit did not converge: look at the figure before using anything "
             "of it."
         )
-    disagree = [*_contradictions(judged), *_repeats_differ(judged)]
+    disagree = [*_contradictions(judged)]
     yield from disagree
     worst = max(judged.noise.values())
     is_misfit = joint.misfit > _NOT_SIMPLE and worst > _WORTH_SAYING
@@ -118,60 +118,6 @@ def _contradictions(judged: JudgedShifts) -> Iterator[str]:
             "where both were measured). Check unit, kind and sample of both "
             "measurements; what is fitted to both is a compromise between them."
         )
-
-
-_DIFFERS = 0.04  # mean ln of last over first, of repeated points
-_SAME_RATE = 0.01  # of ln(omega), within which two frequencies are one,
-_SAME_PLACE = 0.3  # and two temperatures [K]: modulus may change by a tenth per kelvin
-_FEWEST_REPEATS = 3  # repeated points of an isotherm that say anything
-_SURE = 3.0  # standard errors beyond which a mean difference is no noise
-
-
-def _repeats_differ(judged: JudgedShifts) -> Iterator[str]:
-    """Isotherms whose repeated points differ on the whole, and not by noise."""
-    largest: dict[float, float] = {}
-    for number, ratios in _repeats(judged).items():
-        if len(ratios) < _FEWEST_REPEATS:
-            continue
-        mean = np.mean(ratios, axis=0)
-        error = np.std(ratios, axis=0, ddof=1) / np.sqrt(len(ratios))
-        differs = np.abs(mean) > np.maximum(_DIFFERS, _SURE * error)
-        if differs.any():
-            difference = np.abs(np.expm1(mean[differs])).max()
-            largest[float(judged.celsius[number])] = float(difference)
-    if largest:
-        yield (
-            f"Points are repeated at {describe_list(sorted(largest), 'degC')}, and "
-            f"differ from those before by up to {100 * max(largest.values()):.2g} % on "
-            "average: another sample, strain or pass? All are taken for one material, "
-            "whose shifts and moduli are a compromise; leave out what does not "
-            "belong to "
-            "it."
-        )
-
-
-def _repeats(judged: JudgedShifts) -> dict[int, list[np.ndarray]]:
-    """Number of an isotherm to ln(last/first) of storage and loss modulus, for each
-    point that was measured again.
-    """
-    dma = judged.dma
-    isotherm = judged.points.isotherm[judged.points.channel == STORAGE]
-    rate = np.round(np.log(dma.omega) / _SAME_RATE)
-    log_modulus = np.log(np.stack([dma.storage, dma.loss]))
-    earlier: dict[tuple[int, int], list[int]] = {}
-    ratios: dict[int, list[np.ndarray]] = {}
-    for i in range(dma.omega.size):
-        known = earlier.setdefault((int(isotherm[i]), int(rate[i])), [])
-        away = np.abs(dma.temperature[i] - dma.temperature[known])
-        repeated = np.flatnonzero(away <= _SAME_PLACE)
-        if repeated.size:
-            first = known[repeated[0]]
-            ratios.setdefault(int(isotherm[i]), []).append(
-                log_modulus[:, i] - log_modulus[:, first]
-            )
-        else:
-            known.append(i)
-    return ratios
 
 
 def _of_free_shifts(judged: JudgedShifts) -> Iterator[str]:

@@ -37,7 +37,7 @@ def figures(master: MasterCurve, series: PronyFit) -> dict[str, bytes]:
     if master.temperature.size > 1:
         drawn["shifts"] = draw_shifts(master)
     if master.omega.size:
-        drawn["cole-cole"] = draw_cole_cole(series)
+        drawn["cole-cole"] = draw_cole_cole(master, series)
         drawn["van-gurp-palmen"] = draw_van_gurp_palmen(master)
     return {name: saved(ax) for name, ax in drawn.items()}
 
@@ -134,13 +134,16 @@ def draw_shifts(
 
 
 def draw_cole_cole(
-    fit: PronyFit, ax: Axes | None = None, style: Style | None = None
+    master: MasterCurve,
+    fit: PronyFit,
+    ax: Axes | None = None,
+    style: Style | None = None,
 ) -> Axes:
     """Loss against storage modulus: shifts of frequency drop out, what remains off the
     line is misfit.
     """
-    master, letter = fit.master, "G" if fit.kind == "shear" else "E"
-    lifted = master is not None and bool(np.abs(master.log10_b).max() > 1e-3)
+    letter = "G" if fit.kind == "shear" else "E"
+    lifted = bool(np.abs(master.log10_b).max() > 1e-3)
     made = sketch(
         (f"Storage modulus {letter}' [Pa]", f"Loss modulus {letter}'' [Pa]"),
         "Cole-Cole",
@@ -150,13 +153,9 @@ def draw_cole_cole(
     )
     line = fit.moduli_at(np.geomspace(*fit.window, 400))
     made.ax.set(xscale="log", yscale="log")
-    if master is None:
-        made.add(Dots(fit.storage, fit.loss, colour=BLUE))
-        points = fit.storage, fit.loss
-    else:
-        points = master.storage, master.loss
-        every = [DrawnIsotherms(*points, master.isotherm)]
-        draw_isotherms(made, master.temperature, master.reference, every)
+    points = master.storage, master.loss
+    every = [DrawnIsotherms(*points, master.isotherm)]
+    draw_isotherms(made, master.temperature, master.reference, every)
     _widen(made.ax, *map(np.concatenate, zip(points, line, strict=True)))
     made.add(Trace(*line, colour=INK, width=0.67, layer=4.0))
     return made.finish()

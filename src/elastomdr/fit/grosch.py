@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -23,7 +23,7 @@ from ..checks import (
     scalar,
 )
 from ..errors import InputError
-from .isotherms import alike, group
+from .isotherms import TOLERANCE, alike, group
 from .laws import LawFit, fit_laws, locate
 from .report import TWO_SIGMA, AbstractFindings, shifts_in_words, tell
 from .shifting import LN10, first_slopes, from_slopes, guess_shifts, slope_priors
@@ -43,8 +43,6 @@ _BEND = (1e-4, 1.0)  # limits of the standard deviation of the curve's second di
 # which none is seen
 _FLAT = 6.0
 _UNCERTAIN = 0.3  # relative standard deviation of a shift between neighbours
-# part of the largest friction below which an error in proportion shrinks no further
-_LEAST = 0.05
 
 
 class _Spline(NamedTuple):
@@ -180,8 +178,7 @@ def friction_master(
     mu: ArrayLike,
     reference: float | None = None,
     *,
-    error: ArrayLike | Literal["relative"] | None = None,
-    tolerance: float = 1.5,
+    error: ArrayLike | None = None,
 ) -> FrictionMaster:
     """Shifts measured friction mu(v, T) along log v to one smooth curve at one
     reference temperature.
@@ -194,9 +191,7 @@ def friction_master(
         reference: reference temperature [K]; by default the measured temperature
             nearest to 20 degC.
         error: standard deviation of a measured mu, one number or one per point. By
-            default it is estimated, of one size for all points, or in proportion to the
-            friction with "relative".
-        tolerance: temperatures with no gap above it [K] are one curve.
+            default it is estimated, of one size for all points.
 
     Returns:
         A `FrictionMaster` with shifts, their uncertainties and the curve.
@@ -212,16 +207,11 @@ def friction_master(
         "temperature": temperature,
         "mu": mu,
     }
-    known = error is not None and not isinstance(error, str)
-    if error is not None and not isinstance(error, str):
+    known = error is not None
+    if error is not None:
         given["error"] = error
-    elif error is not None and error != "relative":
-        raise InputError(
-            argument="error", got=error, accepted="numbers, 'relative' or None"
-        )
     v, t, friction, *sizes = _checked_data(given)
-    finite("tolerance", scalar("tolerance", tolerance))
-    number, temperatures = group(t, float(tolerance))
+    number, temperatures = group(t)
     for name, count, least in (
         ("temperature", temperatures.size, 2),
         ("mu", friction.size, 8),
@@ -230,19 +220,13 @@ def friction_master(
             raise InputError(
                 argument=name, got=count, accepted=f"{least} values or more"
             )
-    reference = _checked_reference(reference, temperatures, tolerance)
+    reference = _checked_reference(reference, temperatures)
     zero = np.zeros(friction.size)
     points = MeasuredPoints(
         np.full(friction.size, STORAGE), np.log(v), friction, number, zero
     )
     size = sizes[0] if known else np.ones(friction.size)
     fit = _infer(points, temperatures, size, known)
-    if isinstance(error, str):
-        # in proportion to the curve, which is less noisy than the points
-        for _ in range(2):
-            curve = np.abs(points.log_value - fit.posterior.residuals)
-            size = np.maximum(curve, _LEAST * curve.max())
-            fit = _infer(points, temperatures, size, known)
     return _report(points, temperatures, fit, reference, size)
 
 
@@ -258,9 +242,7 @@ def _checked_data(given: Mapping[str, ArrayLike]) -> list[np.ndarray]:
     return [np.broadcast_to(array, shape).ravel() for array in arrays.values()]
 
 
-def _checked_reference(
-    reference: float | None, temperatures: np.ndarray, tolerance: float
-) -> float:
+def _checked_reference(reference: float | None, temperatures: np.ndarray) -> float:
     """The reference temperature, by default the one nearest to 20 degC. Raises
     `InputError`.
     """
@@ -268,7 +250,7 @@ def _checked_reference(
         reference = float(temperatures[np.argmin(np.abs(temperatures - 293.15))])
     reference = float(scalar("reference", reference))
     in_kelvin("reference", reference)
-    if not temperatures[0] - tolerance <= reference <= temperatures[-1] + tolerance:
+    if not temperatures[0] - TOLERANCE <= reference <= temperatures[-1] + TOLERANCE:
         raise InputError(
             argument="reference",
             got=reference,

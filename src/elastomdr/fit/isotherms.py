@@ -128,6 +128,8 @@ def _mean(values: np.ndarray, cells: np.ndarray, log: bool) -> np.ndarray:
 # Which points belong to one isotherm, and how noisy an isotherm is by itself.
 # --------------------------------------------------------------------------------------
 
+# temperatures with no gap above it are one isotherm [K]
+TOLERANCE = 1.5
 _HOTTEST = 1500.0  # above which no DMA is run [K]
 _ALIKE = 1.3  # neighbours per independent point below which they count as independent
 # widest range of temperatures that still counts as one isotherm, where they run without
@@ -143,11 +145,9 @@ class Isotherms(NamedTuple):
     deviation: np.ndarray  # of each point's temperature from that mean [K]
 
 
-def isotherms(
-    dma: Dma, tolerance: float, law: AbstractShift | None = None
-) -> Isotherms:
+def isotherms(dma: Dma, law: AbstractShift | None = None) -> Isotherms:
     """Groups the points of `dma` into isotherms: temperatures with no gap above
-    `tolerance` [K] are one.
+    `TOLERANCE` are one.
 
     Temperatures that run through without gaps, as in a ramp, are cut into bins. With a
     shift `law` one frequency is enough. Raises `InputError` where a temperature is not
@@ -170,7 +170,7 @@ def isotherms(
             + ", a file of factors, or "
             + advise("universal", {"shift": "universal"}),
         )
-    number, mean = group(temperatures, tolerance)
+    number, mean = group(temperatures)
     n = dma.omega.size
     rate, offset = np.log(dma.omega), temperatures - mean[number]
     extra = np.zeros(temperatures.size)
@@ -233,7 +233,9 @@ def _check_points(dma: Dma) -> None:
         )
 
 
-def group(temperature: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+def group(
+    temperature: np.ndarray, tolerance: float = TOLERANCE
+) -> tuple[np.ndarray, np.ndarray]:
     """Number of the isotherm of each temperature, and the mean temperature of each
     isotherm, ascending [K].
     """
@@ -337,7 +339,6 @@ def _correlation(points: MeasuredPoints, residuals: np.ndarray) -> float:
 # rms relative misfit as named above which moduli are suspect, if exchanged they meet it
 _MISFIT = 0.1
 _CLOSER = 3.0  # and are so many times closer
-_TOLERANCE = 1.5  # between temperatures of one isotherm [K], as for master curves
 # ratio of the highest to the lowest frequency of an isotherm that says anything
 _LEAST_RANGE = 2.0
 _LARGEST = 1e100  # modulus [Pa], and temperature [K]; what is beyond is damaged
@@ -382,7 +383,7 @@ def moduli_exchanged(
         return False
     storage, loss = (np.minimum(x, _LARGEST) for x in (storage, loss))
     bounded = np.where(np.isfinite(temperature), np.minimum(temperature, 1e4), 0.0)
-    number, mean = group(bounded, _TOLERANCE)
+    number, mean = group(bounded, TOLERANCE)
     named, exchanged = [], []
     for i in range(mean.size):
         indices = np.flatnonzero(number == i)

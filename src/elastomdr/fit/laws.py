@@ -86,14 +86,6 @@ class LawFit(NamedTuple):
             for key, std in self.std.items()
         )
 
-    def at_reference(self, temperature: float) -> Any:
-        """The same law about another reference temperature [K]."""
-        if isinstance(self.law, WLF):
-            return self.law.at_reference(temperature)
-        if isinstance(self.law, VFT):
-            return VFT(self.law.b, self.law.t0, temperature)
-        return Arrhenius(self.law.energy, temperature)
-
 
 def fit_laws(
     temperature: np.ndarray,

@@ -208,13 +208,13 @@ _DEGREE = 3  # of the polynomial whose slope gives the first ratio
 _STEEPEST = 0.9  # slope d(ln M)/d(ln t) that the first ratio is made for
 
 
-def as_relaxation(dma: Dma, tolerance: float, law: AbstractShift | None) -> Dma:
+def as_relaxation(dma: Dma, law: AbstractShift | None) -> Dma:
     """The same measurement with its response turned into relaxation; itself where it is
     relaxation.
     """
     if (dma.response == "relaxation" and not dma.ramp) or not dma.time.size:
         return dma
-    ratio, time = _first(dma, tolerance), _middle(dma.time, dma.ramp)
+    ratio, time = _first(dma), _middle(dma.time, dma.ramp)
     near = None
     for _ in range(_ROUNDS):
         relaxation = replace(
@@ -224,7 +224,7 @@ def as_relaxation(dma: Dma, tolerance: float, law: AbstractShift | None) -> Dma:
             response="relaxation",
             ramp=0.0,
         )
-        data = isotherms(relaxation, tolerance, law)
+        data = isotherms(relaxation, law)
         near = rough_shifts(data, law, near)
         before, ratio = ratio, _ratio(dma, time, data, near)
         if np.abs(np.log(ratio / before)).max() < _SETTLED:
@@ -240,9 +240,9 @@ def as_relaxation(dma: Dma, tolerance: float, law: AbstractShift | None) -> Dma:
     )
 
 
-def _first(dma: Dma, tolerance: float) -> np.ndarray:
+def _first(dma: Dma) -> np.ndarray:
     """G/M of a power law with the slope that each isotherm has."""
-    number, mean = group(dma.time_temperature, tolerance)
+    number, mean = group(dma.time_temperature)
     ratio = np.ones(dma.time.size)
     for i in range(mean.size):
         indices = np.flatnonzero(number == i)
@@ -432,13 +432,6 @@ class MasterCurve(AbstractFindings):
         """95 % interval of log10 a_T, low and high."""
         return self.log10_a[:, None] + np.outer(
             self.log10_a_std, [-TWO_SIGMA, TWO_SIGMA]
-        )
-
-    @property
-    def log10_b_interval(self) -> Float[np.ndarray, "n 2"]:
-        """95 % interval of log10 b_T, low and high."""
-        return self.log10_b[:, None] + np.outer(
-            self.log10_b_std, [-TWO_SIGMA, TWO_SIGMA]
         )
 
     @property
@@ -640,13 +633,13 @@ def master_curve(
     vertical: bool = True,
     *,
     shift: AbstractShift | Literal["universal"] | None = None,
-    tolerance: float = 1.5,
     temperature_error: float | None = None,
 ) -> MasterCurve:
     """Shifts all isotherms jointly to one reference temperature.
 
     Storage and loss modulus (and relaxation, where there is any) of every isotherm
     share one non-negative smooth spectrum, and horizontal shifts fall with temperature.
+    Temperatures with no gap above 1.5 K are one isotherm.
 
     Args:
         dma: the measurement, with temperatures.
@@ -660,7 +653,6 @@ def master_curve(
             hand (`em.read_shifts`), or "universal", WLF's law with universal constants
             about the T_g at which storage and loss modulus suit each other best. By
             default the data decide.
-        tolerance: temperatures with no gap above it [K] are one isotherm.
         temperature_error: standard error of the temperature of an isotherm [K], part of
             every interval; by default what the scatter of the shift factors about a law
             says, and 0.3 K where it says nothing.
@@ -677,8 +669,6 @@ def master_curve(
     check_dma(dma)
     if not isinstance(vertical, (bool, np.bool_)):
         raise InputError(argument="vertical", got=vertical, accepted="True or False")
-    tolerance = float(scalar("tolerance", tolerance))
-    positive("tolerance", tolerance)
     if temperature_error is not None:
         temperature_error = float(scalar("temperature_error", temperature_error))
         not_negative("temperature_error", temperature_error)
@@ -690,13 +680,13 @@ def master_curve(
     dma, left = of_one_strain(dma)
     if shift is not None and not isinstance(shift, AbstractShift):
         # whether there are temperatures at all
-        isotherms(dma, tolerance, Arrhenius(1e5, 293.15))
+        isotherms(dma, Arrhenius(1e5, 293.15))
     law, origin = given_law(shift, dma)
-    dma = as_relaxation(dma, tolerance, law)
-    sorted_dma = isotherms(dma, tolerance, law)
+    dma = as_relaxation(dma, law)
+    sorted_dma = isotherms(dma, law)
     refuse_exchanged(dma, law)
     if (once := without_copies(dma)) is not dma:
-        dma, sorted_dma = once, isotherms(once, tolerance, law)
+        dma, sorted_dma = once, isotherms(once, law)
     if reference is None:
         reference = float(
             sorted_dma.temperature[np.argmin(np.abs(sorted_dma.temperature - 293.15))]

@@ -17,7 +17,6 @@ from ..checks import (
     as_float64,
     ascending,
     certain,
-    in_float64,
     in_kelvin,
     is_traced,
     not_negative,
@@ -92,20 +91,6 @@ class AbstractShift(_TemperatureLaw):
         with np.errstate(over="ignore"):
             return 10.0 ** self._log10_a(self._checked(temperature))
 
-    @in_float64
-    def activation_energy(self, temperature: ArrayLike) -> Array:
-        """Apparent activation energy R d(ln a_T)/d(1/T) [J/mol] at temperatures [K],
-        any shape.
-        """
-        import jax
-
-        self.log10_a(temperature)
-        temperatures = as_float64("temperature", temperature)
-        _, slope = jax.jvp(
-            self._log10_a, (temperatures,), (xp.ones_like(temperatures),)
-        )
-        return -GAS_CONSTANT * temperatures**2 * _LN10 * slope
-
 
 class WLF(AbstractShift):
     """log10 a_T = -c1 (T - T_ref)/(c2 + T - T_ref), above T_ref - c2 (Williams, Landel
@@ -140,10 +125,6 @@ class WLF(AbstractShift):
         self._check(temperature)
         c2 = self.c2 + temperature - self.reference
         return WLF(self.c1 * self.c2 / c2, c2, temperature)
-
-    def to_vft(self) -> "VFT":
-        """The same law in Vogel's form."""
-        return VFT(_LN10 * self.c1 * self.c2, self.reference - self.c2, self.reference)
 
 
 class VFT(AbstractShift):
