@@ -98,9 +98,31 @@ def test_no_bound_in_nearly_full_contact():
 
 
 def test_no_bound_where_shear_exceeds_the_pressure():
-    found = em.break_out(RUBBER, ROUGH, pressure=1e5, boundary_shear=2e6)
-    assert found.mu > 1
-    assert np.isnan(found.model_error)
+    """Its limits and doubts are those of friction without hysteresis."""
+    elastic, stress = em.Prony(1e6, [], []), np.array([0.5e6, 2e6])
+    rests = [
+        em.break_out(elastic, ROUGH, pressure=1e5, boundary_shear=each)
+        for each in stress
+    ]
+    slides = [
+        em.friction(
+            elastic,
+            ROUGH,
+            velocity=1.0,
+            pressure=1e5,
+            adhesion=em.AdhesiveShear(each, 1.0, 0.0),
+        )
+        for each in stress
+    ]
+    assert [rest.mu > 1 for rest in rests] == [False, True]
+    assert [bool(np.isnan(rest.model_error)) for rest in rests] == [False, True]
+    for rest, slide in zip(rests, slides, strict=True):
+        np.testing.assert_allclose(rest.mu_low, slide.mu_low, rtol=1e-4)
+        np.testing.assert_allclose(rest.mu_high, slide.mu_high, rtol=1e-4)
+        for kind in ("no prediction", "bound"):
+            assert [d.says for d in rest.doubts if d.kind == kind] == [
+                d.says for d in slide.doubts if d.kind == kind
+            ]
 
 
 def test_derivative():
@@ -159,10 +181,9 @@ def test_figure_has_the_band_of_the_error(show):
     ax = found.plot(show=show)
     (band,) = ax.collections
     heights = band.get_paths()[0].vertices[:, 1]
-    half = (found.error + found.model_error) / found.mu
-    assert half.max() > 0.01
+    assert (found.mu_high > 1.01 * found.mu).any()
     values = getattr(found, show)
-    assert heights.max() == pytest.approx((values * (1 + half)).max())
-    assert heights.min() == pytest.approx((values * (1 - half)).min())
+    assert heights.max() == pytest.approx((values * found.mu_high / found.mu).max())
+    assert heights.min() == pytest.approx((values * found.mu_low / found.mu).min())
     said = [label.get_text() for label in ax.get_legend().get_texts()]
     assert "numerical and model error" in said

@@ -303,13 +303,13 @@ class FrictionCurve(AbstractCurve):
     mu_low: Array | None = quantity(
         "lower limit of the friction coefficient",
         "-",
-        "with errors; where there is no prediction, shear leaves 0.7 of the contact",
+        "with errors; shear takes away up to 0.3 of the contact",
         default=None,
     )
     mu_high: Array | None = quantity(
         "upper limit of the friction coefficient",
         "-",
-        "with errors; where there is no prediction, shear presses the contact down",
+        "with errors; shear presses the contact down where the rubber climbs",
         default=None,
     )
     contact_area: Array | None = quantity(

@@ -110,6 +110,8 @@ def _band(
     below = above = half
     if "mu_low" in fields:
         below, above = fields["mu"] - fields["mu_low"], fields["mu_high"] - fields["mu"]
+        if not np.isfinite(fields["model_error"]).any():
+            uncertainty = "limits (the model has no bound)"
     if spread is None:
         return below, above, uncertainty
     low, middle, high = spread
@@ -308,9 +310,11 @@ def draw_break_out(result: Drawable, ask: DrawAsk, y: str) -> Axes:
     """
 
     def band(sketch: ResultSketch, line: DrawnLine, drawn: Trace) -> None:
-        half, uncertainty = _uncertainty(sketch.fields)
-        around = sketch.along_line(half / sketch.fields["mu"], line) * line.y
-        _draw_band(sketch, line, drawn, around, around, uncertainty)
+        *ends, uncertainty = _band(sketch.fields, None)
+        below, above = (
+            sketch.along_line(end / sketch.fields["mu"], line) * line.y for end in ends
+        )
+        _draw_band(sketch, line, drawn, below, above, uncertainty)
 
     return draw(result, ask, y=y, also=band)
 

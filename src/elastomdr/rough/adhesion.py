@@ -16,7 +16,7 @@ Source: B. Lorenz, Y. R. Oh, S. K. Nam, S. H. Jeon and B. N. J. Persson, J. Chem
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -54,9 +54,8 @@ MOST_SHEAR = 1.0  # tau A/F_N above which the sum is no prediction (docs/rough.m
 # off, but what a shear law leaves out: contacts that shear changes, bonds that grow
 # in sliding and at rest
 KNOWN_AREA = 0.02
-KEPT = (
-    0.7  # of a real contact under shear, at least (Sahli et al., PNAS 115 (2018) 471)
-)
+# of a real contact under shear, at least (Sahli et al., PNAS 115 (2018) 471)
+KEPT = 0.7
 _SKEWED = 0.2  # of 1 - b/a: against 56 contacts in three dimensions (docs/accuracy.md)
 # relative error of an area of 64 by 64 cells about the contact, its border corrected
 _STAIRCASE = 0.01
@@ -213,65 +212,92 @@ def sheared(
         temperature = temperature + xp.where(xp.isnan(rise), 0.0, rise)
     stress = adhesion.shear_stress(curve.velocity, temperature)
     added = stress * share
-    mu = curve.mu + added
-    doubts = _unforetold(curve, added, bound)
-    unknown = where(doubts, "no prediction")
-    error = curve.error + added * error
     missed = 0.0 if curve.model_error is None else curve.model_error
-    missed += 0.0 if bound is None else added * bound
-    low, high = mu - error - missed, mu + error + missed
-    if unknown is not None:
-        least, most = _limits(curve, added, error + missed)
-        low, high = xp.where(unknown, least, low), xp.where(unknown, most, high)
-        missed = xp.where(unknown, xp.nan, missed)
+    known = Known.of(
+        added, error, bound, curve.area_ratio, (curve.mu, curve.error, missed)
+    )
+    mu = curve.mu + added
     return dataclasses.replace(
         curve,
         mu=mu,
-        mu_low=low,
-        mu_high=high,
+        mu_low=known.low,
+        mu_high=known.high,
         hysteresis=curve.mu,
         adhesion=added,
         friction_force=mu * curve.normal_force,
-        error=error,
-        model_error=curve.model_error if unknown is None else missed,
+        error=known.error,
+        model_error=known.bound,
         model=curve.model + _ADDED.format(area=area),
         inputs=(*curve.inputs, ("adhesion", adhesion.words())),
-        marks=(*curve.marks, *sheared_too_hard(stress, modulus), *doubts),
+        marks=(*curve.marks, *sheared_too_hard(stress, modulus), *known.doubts),
     )
 
 
-def _limits(curve: FrictionCurve, added: Array, spread: Array) -> tuple[Array, Array]:
-    """Limits of mu where shear may change the contact (docs/theory.md, section 24).
-
-    Real contact was seen to shrink by up to 30 % under shear. And where the rubber
-    climbs, shear presses it down, as if by 1/(1 - s tau A/F_N) times the load, s the
-    mean slope of the contact, at most mu of hysteresis; until all is in contact.
+class Known(NamedTuple):
+    """What is known of a coefficient with adhesive shear (docs/theory.md, section
+    24).
     """
-    least = 0.0 if curve.area_ratio is None else curve.area_ratio
-    room = xp.maximum(1 - curve.mu * added, least)
-    low = xp.maximum(curve.mu + KEPT * added - spread, 0.0)
-    return low, (curve.mu + added + spread) / xp.where(room > 0, room, xp.nan)
+
+    error: Array  # numerical
+    low: Array  # limits, errors and all
+    high: Array
+    bound: Array  # on what the model misses; NaN where nobody knows
+    doubts: tuple[Doubt, ...]
+
+    @classmethod
+    def of(
+        cls,
+        added: Array,
+        error: Array | float,
+        bound: Array | float | None,
+        area_ratio: Array | None,
+        hysteresis: tuple[Array | float, Array | float, Array | float] = (
+            0.0,
+            0.0,
+            0.0,
+        ),
+    ) -> Known:
+        """Of the coefficient of shear `added`, `error` and `bound` of its area, both
+        relative, and mu, error and bound of `hysteresis`.
+
+        Shear takes contact away, as its square and no more than was seen; and where the
+        rubber climbs, shear presses it down, as if by 1/(1 - s tau A/F_N) times the
+        load, s the mean slope of the contact, at most mu of hysteresis; until all is in
+        contact.
+        """
+        climbed, of_climbed, missed = hysteresis
+        mu, numerical = climbed + added, of_climbed + added * error
+        off = error + (0.0 if bound is None else bound)
+        kept = 1 - (1 - KEPT) * xp.minimum(added, MOST_SHEAR) ** 2
+        low = climbed - of_climbed - missed + added * xp.maximum(1 - off, 0.0) * kept
+        low = xp.maximum(low, 0.0)
+        room = xp.maximum(
+            1 - climbed * added, 0.0 if area_ratio is None else area_ratio
+        )
+        high = mu + of_climbed + missed + added * off
+        high = high / xp.where(room > 0, room, xp.nan)
+        apart = xp.maximum(high - mu, mu - low) - numerical
+        doubts = _unforetold(added, None if area_ratio is None else bound)
+        unknown = where(doubts, "no prediction")
+        apart = xp.where(unknown, xp.nan, xp.maximum(apart, 0.0))
+        return cls(numerical, low, high, apart, doubts)
 
 
-def _unforetold(
-    curve: FrictionCurve, added: Array, bound: Array | float | None
-) -> tuple[Doubt, ...]:
+def _unforetold(added: Array, bound: Array | float | None) -> tuple[Doubt, ...]:
     """Where the shear exceeds the pressure; and where the area of a real contact is
-    known so well that its bound says nothing of the sum.
+    known so well that its `bound` says nothing of the sum.
     """
     over = xp.asarray(added > MOST_SHEAR)
-    exceeds = certain(lambda added: (added > MOST_SHEAR).any(), added)
-    if bound is None and not exceeds:
-        return ()
     says = "the shear of the contact exceeds its pressure"
-    if exceeds:
+    if certain(np.any, over):
         most = significant(float(added[over].max()))
         says += f"; it is up to {most} times that and would change the contact"
-    doubts = (_no_prediction(over, says),)
-    if curve.area_ratio is None or bound is None:
-        return doubts
+    exceeds = _no_prediction(over, says)
+    if bound is None:
+        return (exceeds,)
+    full = xp.broadcast_to(xp.asarray(bound < KNOWN_AREA), over.shape)
     says = "real contact is all but complete, and what the shear law leaves out decides"
-    return (*doubts, _no_prediction(xp.asarray(bound < KNOWN_AREA), says))
+    return exceeds, _no_prediction(full, says)
 
 
 def _no_prediction(points: Array, why: str) -> Doubt:

@@ -42,7 +42,7 @@ from ..smooth.softening import LINEAR
 from ..surface.lay import lay_of
 from ..surface.spectrum import AbstractSpectrum
 from ..surface.topography import skewness_bound
-from .adhesion import AdhesiveShear, check_adhesion, sheared, why_hotter
+from .adhesion import AdhesiveShear, Known, check_adhesion, sheared, why_hotter
 from .against_lay import Directed
 from .heat import NO_STATE, Heat, check_heat, why_no_state
 from .local_modulus import Local, SoftenedByScale
@@ -86,6 +86,10 @@ _WIDE_BY_STRAIN = (
 _WIDE_BY_LAY = (
     "edges of contacts have directions of their own, which the lay of the waves does not "
     "tell: more real contact has less"
+)
+_WIDE_BY_SHEAR = (
+    "shear may take contact away, or press the rubber down where it climbs: measured "
+    "friction decides"
 )
 _WIDE_BY_MEAN = "it holds friction along and across the lay: a `direction` has less"
 _WIDE_BY_ERROR = (
@@ -384,6 +388,7 @@ def _judge(
             turned.of_mu,
             _WIDE_BY_ERROR if curve.direction is not None else _WIDE_BY_MEAN,
         ),
+        (_of_shear(curve), _WIDE_BY_SHEAR),
     )
     cases: tuple[tuple[Kind, np.ndarray, str], ...] = (
         ("no prediction", unknown, "no bound on the model for"),
@@ -401,6 +406,14 @@ def _judge(
         says = "; ".join([f"have {words} the friction coefficient", *reasons])
         doubts.append(Doubt(kind, points.reshape(curve.mu.shape), says))
     return tuple(doubts)
+
+
+def _of_shear(curve: FrictionCurve) -> Array | float:
+    """The part of a bound that is what shear does to the contact."""
+    if curve.adhesion is None or curve.hysteresis is None:
+        return 0.0
+    alone = (curve.hysteresis, 0.0, 0.0)
+    return Known.of(curve.adhesion, 0.0, None, curve.area_ratio, alone).bound.ravel()
 
 
 def _wide_by_skewness(surface: AbstractSpectrum) -> str:

@@ -34,7 +34,7 @@ from ..errors import InputError
 from ..models import Model, as_model, named
 from ..results.base import Array, Result, quantity, record
 from ..results.words import given_in_words, span
-from ..rough.adhesion import KNOWN_AREA, MOST_SHEAR, AdhesiveShear, shear_law
+from ..rough.adhesion import AdhesiveShear, Known, shear_law
 from ..rough.local_modulus import Local, SoftenedByScale
 from ..rough.problem import Resting, resting_body
 from ..rough.road_model import RoadProblem
@@ -58,10 +58,10 @@ _UNITS = {"pressure": "Pa", "time": "s", "velocity": "m/s", "temperature": "K"}
 class BreakOut(Result):
     """Break-out of a rough contact after a dwell, by the shear of its real contact.
 
-    `error` is numerical. `model_error` bounds what the real contact may be off; NaN
-    where the shear exceeds the pressure and would change the contact, and in nearly full
+    `error` is numerical. `model_error` bounds what the real contact may be off, and what
+    shear takes away of it; NaN where the shear exceeds the pressure, and in nearly full
     contact, which is known better than the stress: bonds that grow stronger at rest are
-    not in it.
+    not in it. There `mu_low` and `mu_high` are left.
     """
 
     pressure: Array = quantity("contact pressure", "Pa", "p", shown="MPa")
@@ -74,6 +74,14 @@ class BreakOut(Result):
     )
     mu: Array = quantity(
         "break-out coefficient", "-", "tau A/p, largest shear force over normal force"
+    )
+    mu_low: Array = quantity(
+        "lower limit of the break-out coefficient",
+        "-",
+        "with errors; shear takes away up to 0.3 of the contact",
+    )
+    mu_high: Array = quantity(
+        "upper limit of the break-out coefficient", "-", "with errors"
     )
     area_ratio: Array = quantity("real contact area over nominal area", "-", "A")
     shear_stress: Array = quantity(
@@ -195,14 +203,15 @@ def break_out(
     mu = stress * contact.area / given.pressure
     good = xp.broadcast_to(contact.good, shape)
     warn_unless(good, "points")
+    known = Known.of(mu, contact.error, contact.bound, contact.area)
     numbers = {
         "mu": mu,
+        "mu_low": known.low,
+        "mu_high": known.high,
         "area_ratio": contact.area,
         "shear_stress": stress,
-        "error": mu * contact.error,
-        "model_error": xp.where(
-            (mu > MOST_SHEAR) | (contact.bound < KNOWN_AREA), xp.nan, mu * contact.bound
-        ),
+        "error": known.error,
+        "model_error": known.bound,
     }
     fields = {
         name: nan_unless(good, xp.broadcast_to(value, shape))
@@ -213,6 +222,7 @@ def break_out(
         marks=(
             *rest.doubts(given.pressure, shape, chosen.softens),
             *sheared_too_hard(xp.broadcast_to(stress, shape), 1 / rest.soft),
+            *known.doubts,
         ),
         model=f"{chosen.words()}; its shear at once",
         plan="real contact of an elastic body with the creep of the dwell",
