@@ -265,8 +265,10 @@ def friction(
             reaches from the body's, or "hot", that which it keeps that was hot before.
         strain_share: of a material with a softening on a surface: strain amplitude at
             wave number q over the rms slope of the waves up to q, above 0 and at most
-            2. `linear` is mu without softening. `em.Line()` and `em.HalfSpace()` on a
-            surface are linear and say so.
+            2. Elastic maps in three dimensions have 0.54 (0.40 to 0.67) in light
+            contact (`docs/theory.md`, section 21.1), of a sweep in shear; 0.5 is not
+            fitted to friction. `linear` is mu without softening. `em.Line()` and
+            `em.HalfSpace()` on a surface are linear and say so.
         direction: of sliding, as an angle to the lay of a measured surface whose
             spectrum depends on direction [rad]: 0 along the grooves, pi/2 across. None:
             the mean over directions, and `model_error` holds what is between them. A
