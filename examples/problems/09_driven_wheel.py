@@ -2,7 +2,7 @@
 the slip costs.
 
 Teaches: `em.traction` at many velocities and creeps; a stiffer (faster) contact is
-smaller and needs more creepage to pull.
+smaller and needs less creepage to pull.
 
 Inputs: chosen here: standard solid, G = 1 MPa relaxed, 8 MPa glassy, tau = 1 s; wheel
 (paraboloid) of 20 mm radius under 20 N, friction coefficient 0.7.
