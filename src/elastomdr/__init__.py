@@ -99,7 +99,7 @@ def __getattr__(name: str) -> Any:
         from .errors import closest
 
         raise AttributeError(
-            f"module 'elastomdr' has no attribute {name!r}.{closest(name, __all__)}",
+            f"module 'elastomdr' has no attribute {name!r}. {closest(name, __all__)}".strip(),
             name=name,
         )
     value = getattr(importlib.import_module(f".{_MODULE_OF[name]}", __name__), name)

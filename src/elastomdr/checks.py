@@ -21,7 +21,7 @@ from .arrays import (
     numpy_unless_traced,
     xp,
 )
-from .errors import ConvergenceWarning, InputError, warn
+from .errors import ConvergenceWarning, InputError, either, warn
 from .units.arguments import in_si, number_in_si
 
 if TYPE_CHECKING:
@@ -423,8 +423,7 @@ def whole_number(name: str, value: object, least: int, most: int | None = None) 
 def one_of(name: str, value: object, *accepted: str) -> None:
     """Raises `InputError` unless a value is one of some texts."""
     if not isinstance(value, str) or value not in accepted:
-        *first, last = map(repr, accepted)
-        words = f"{', '.join(first)} or {last}"
+        words = either([repr(word) for word in accepted])
         raise InputError(argument=name, got=value, accepted=words)
 
 

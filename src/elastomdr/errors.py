@@ -13,7 +13,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextvars import ContextVar
-from typing import NamedTuple
+from typing import NamedTuple, SupportsFloat
 
 _PACKAGE = os.path.dirname(__file__) + os.sep
 
@@ -60,7 +60,7 @@ class InputError(ValueError):
         """
         hint, accepted = (told(x, shown, advice) for x in (self.hint, self.accepted))
         if hint:
-            hint = f". {hint.strip()}" if hint.endswith(("?", ".")) else f": {hint}."
+            hint = f". {hint}" if hint.endswith(("?", ".")) else f": {hint}."
         got = "" if self.got is None else f", got {(shown or written)(self.got)}"
         places = (
             f"{called(argument) if argument else ''} {place}".strip()
@@ -101,7 +101,14 @@ def _as_it_was(kind: type[InputError], attributes: dict[str, object]) -> InputEr
     return error
 
 
-_BRIEF = reprlib.Repr()
+class _Brief(reprlib.Repr):
+    def repr_float(self, x: float, level: int) -> str:
+        return f"{x:g}"
+
+    repr_float64 = repr_float  # of NumPy
+
+
+_BRIEF = _Brief()
 _BRIEF.maxstring = _BRIEF.maxother = 120
 _MOST = 6  # entries that are shown
 
@@ -116,7 +123,7 @@ def written(value: object) -> str:
         return f"{value:g}"
     if hasattr(value, "in_python") and not isinstance(value, type):  # a model
         return f"em.{value.in_python()}"  # pyright: ignore[reportAttributeAccessIssue]
-    if isinstance(shape, tuple) and hasattr(value, "dtype"):
+    if isinstance(shape, tuple):
         if sum(shape) > _MOST or len(shape) > 1:
             return f"an array of the shape {shape}"
         value = getattr(value, "tolist", lambda: value)()
@@ -158,7 +165,7 @@ Options = Mapping[str, str | list[str]]  # of the command line
 
 class Advised(str):
     """A text in parts: of each what Python says, and the data that the command line and
-    the page have other words for, such as options (`advise`) or a model.
+    the page have other words for, such as options (`advise`), a model, or an `amount`.
     """
 
     parts: tuple[tuple[str, object], ...]
@@ -193,6 +200,21 @@ def advise(python: str, options: Options) -> Advised:
     return Advised.of((f"{python} ({shell})", options))
 
 
+class Amount(NamedTuple):
+    """A number within a text."""
+
+    value: float  # in SI units
+    unit: str
+
+
+def amount(value: SupportsFloat, unit: str, digits: int = 6) -> Advised:
+    """A number in SI units, for a sentence; scenes say it in the unit that was typed.
+    Sentences are added to it, as to what `advise` returns.
+    """
+    number = float(value)
+    return Advised.of((f"{number:.{digits}g} {unit}", Amount(number, unit)))
+
+
 def told(
     text: str,
     shown: Callable[[object], str] | None = None,
@@ -224,11 +246,11 @@ def either(ways: Sequence[str]) -> str:
 
 
 def closest(word: str, valid: Iterable[str]) -> str:
-    """Returns " Did you mean 'x'?" for the valid word nearest to `word`, or an empty
+    """Returns "Did you mean 'x'?" for the valid word nearest to `word`, or an empty
     string.
     """
     near = difflib.get_close_matches(word, list(valid), n=1, cutoff=0.65)
-    return f" Did you mean {near[0]!r}?" if near else ""
+    return f"Did you mean {near[0]!r}?" if near else ""
 
 
 class Heard(NamedTuple):

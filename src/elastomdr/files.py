@@ -3,13 +3,14 @@ written is whole or not there.
 """
 
 import codecs
+import contextlib
 import errno
 import os
 import re
 import stat
 import tempfile
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,17 @@ _MOST_TOML = 5_000_000  # bytes of a scene or a material
 _DEEPEST = 10  # parts of a dotted key
 _PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+"""
 _DEEP_KEY = re.compile(rf"(?<![\w\"'-]){_PART}(?:\.[ \t]*+{_PART}){{{_DEEPEST}}}")
+
+
+@contextlib.contextmanager
+def file_as_typed(path: object) -> Iterator[None]:
+    """Gives an `InputError` about the file `path` its name as it was typed."""
+    try:
+        yield
+    except InputError as error:
+        if error.argument == "path":
+            error.got = path
+        raise
 
 
 def as_path(path: Any, name: str = "path") -> Path:

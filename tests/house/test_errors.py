@@ -233,6 +233,34 @@ def test_a_wrong_call_names_argument_value_and_what_is_accepted(case):
     assert f" must be {error.accepted}" in said
 
 
+READERS = {
+    "path_or_paths": em.read_dma,
+    "path_or_heights": em.read_surface,
+    "path": em.read_friction,
+    "name_or_path": em.load_material,
+}
+
+
+@pytest.mark.parametrize("argument", READERS)
+@pytest.mark.parametrize("content", [None, "a", "a,b\n1,2\n", "\0"])
+def test_a_wrong_file_is_named_as_typed(argument, content, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("data").mkdir()
+    if content is not None:
+        Path("data/wrong.csv").write_text(content)
+    for typed in ("data/wrong.csv", Path("data/wrong.csv")):
+        with pytest.raises(em.InputError) as caught:
+            READERS[argument](typed)
+        error = caught.value
+        if error.argument == argument:
+            assert str(error.got) == str(typed)
+        else:  # what the file does not say
+            assert (argument, error.argument) == ("path_or_heights", "unit")
+    with pytest.raises(em.InputError) as caught:
+        em.read_dma(["data/wrong.csv"])
+    assert caught.value.got == "data/wrong.csv"
+
+
 SCENE = """
 material = "rubber.toml"
 temperature = "20 degC"

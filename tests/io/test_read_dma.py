@@ -552,7 +552,7 @@ def test_files_that_are_none(tmp_path, write, monkeypatch):
     (tmp_path / "broken.xls").write_bytes(b"\xd0\xcf\x11\xe0" + b"\1" * 600)
     twice = write(table("f [Hz],T [degC],G' [Pa],G'' [Pa]"), "twice.csv")
     for path, said in (
-        (tmp_path / "none.csv", "got 'none.csv': No such file"),
+        (tmp_path / "none.csv", "got '.*none.csv': No such file"),
         (tmp_path, "is a folder"),
         (3, "a file or a list"),
         (write("\n \n", "empty.csv"), "rows of numbers"),

@@ -288,7 +288,7 @@ def _of_form(error: InputError) -> InputError:
     for.
     """
     options = next(iter(advised(error.hint)), {"data": ""})
-    if error.argument == "columns" or error.argument not in keys_of(Fit):
+    if error.argument == "data" or error.argument not in keys_of(Fit):
         error.called(next(iter(options)))
     return error
 

@@ -4,7 +4,7 @@ scene files stand in the exported scene only.
 
 from collections.abc import Iterable
 
-from ..cli.units import SceneQuantity, shown
+from ..cli.units import SceneQuantity, shown, shown_beside
 from ..errors import InputError, Options, told
 
 # By key, or by table and key where a key means different things. After a bar, what
@@ -315,7 +315,7 @@ def in_words(error: InputError, name: str = "") -> str:
         path = path_of(argument)
         return quoted(*path) if path[-1] in _LABELS else argument
 
-    words = error.words(called, shown, _options).split()
+    words = error.words(called, shown_beside(error.got), _options).split()
     return " ".join(spoken(" ".join(map(_in_fields, words))).split())
 
 

@@ -39,7 +39,7 @@ from ..checks import (
 )
 from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer
-from ..errors import ConvergenceWarning, InputError, quiet, warn
+from ..errors import ConvergenceWarning, InputError, amount, quiet, warn
 from ..material.shift import thermal_factors
 from ..numerics.interpolation import halving_limit, lagrange
 from ..progress_bar import counted
@@ -317,7 +317,7 @@ def _highest_temperature(
             )
         hottest = foundation.range.temperature[1]
     highest = plain("hottest", hottest)
-    accepted = f"below hottest, {highest:g} K"
+    accepted = "below hottest, " + amount(highest, "K")
     require("ambient", ambient, accepted, lambda x: x < highest)
     return highest
 

@@ -12,7 +12,7 @@ import msgspec
 
 import elastomdr as em
 
-from ..errors import InputError
+from ..errors import InputError, amount
 from ..files import read_text
 from .schema import (
     Arguments,
@@ -340,14 +340,16 @@ class SelfAffineTable(SurfaceTable, tag="self_affine"):
             raise InputError(
                 argument="rolloff",
                 got=self.rolloff,
-                accepted=f"at most the longest wave, {2 * math.pi / q['q_low']:g} m",
+                accepted="at most the longest wave, "
+                + amount(2 * math.pi / q["q_low"], "m"),
             )
         if self.shortest is not None and q["q_high"] <= knee:
             raise InputError(
                 argument="shortest",
                 got=self.shortest,
-                accepted=f"below {2 * math.pi / knee:g} m, where the spectrum begins to "
-                "fall",
+                accepted="below "
+                + amount(2 * math.pi / knee, "m")
+                + ", where the spectrum begins to fall",
             )
 
     def _wave_numbers(self) -> dict[str, float]:
@@ -414,7 +416,7 @@ class SpectrumTable(SurfaceTable, tag="spectrum"):
         options = given(
             self, "wave_number", "q_unit", "c_unit", "columns", "longest", "shortest"
         )
-        with path_from("file", keys_of(type(self))):
+        with path_from("file", folder, keys_of(type(self))):
             return em.read_spectrum(
                 folder / str(self.file), convention=self.convention, **options
             )
@@ -444,7 +446,7 @@ class Measured(SurfaceTable, tag="file"):
         for key in ("unit", "pixel_size"):
             if key in options and len(options[key]) == 1:
                 (options[key],) = options[key]
-        with path_from("file", keys_of(type(self))):
+        with path_from("file", folder, keys_of(type(self))):
             return em.read_surface(folder / self.file, detrend=self.detrend, **options)
 
 

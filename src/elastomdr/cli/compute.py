@@ -178,7 +178,7 @@ def how_drawn(scene: Scene, arguments: Arguments, folder: Path) -> Arguments:
     if scene.called() == "slide" and len(set(arguments["position"])) > 1:
         shown["against"] = "position"  # a rest may take most of the time
     if (file := getattr(scene, "measured", None)) is not None:
-        with quiet(em.fit.FitWarning), path_from("measured"):
+        with quiet(em.fit.FitWarning), path_from("measured", folder):
             try:
                 measured = em.read_friction(folder / file)
             except InputError as error:  # a scene has no options for the reader

@@ -150,12 +150,13 @@ class Fit(Table):
         options = given(self, "kind", "temperature", *_READ)
         if self.temperature is not None and len(self.temperature) == 1:
             (options["temperature"],) = self.temperature
-        dma = em.read_dma(
-            [folder / name for name in self.data],
-            columns=dict(map(_column, self.column or ())),
-            storage_only=self.storage_only,
-            **options,
-        )
+        with path_from("data", folder, {*keys_of(Fit), "columns"}):
+            dma = em.read_dma(
+                [folder / name for name in self.data],
+                columns=dict(map(_column, self.column or ())),
+                storage_only=self.storage_only,
+                **options,
+            )
         return dma if self.strain is None else dma.at_strain(strain_of(self.strain))
 
     def fitted(
@@ -185,7 +186,7 @@ class Fit(Table):
         if self.softening is None:
             return None
         file = folder / self.softening
-        with path_from("softening"):
+        with path_from("softening", folder):
             try:
                 sweeps = em.read_dma(file)
             except InputError as error:
@@ -271,7 +272,8 @@ def run(options: argparse.Namespace) -> int:
             fit = asked.fitted(Path())
     except InputError as error:
         if error.argument.partition("[")[0] in keys_of(Fit):
-            error.called(f"--{error.argument.replace('_', '-')}")
+            name = error.argument.replace("_", "-")
+            error.called("DMA" if name == "data" else f"--{name}")
         raise
     folder.mkdir(parents=True, exist_ok=True)
     paths = fit.save(folder)
@@ -460,7 +462,10 @@ def calibrated(
         if isinstance(known, dict) and isinstance(known.get(key), int | float)
     }
     scene: Any = decoded("friction", plain)
-    with quiet(em.fit.FitWarning), path_from("measured"):
+    with (
+        quiet(em.fit.FitWarning),
+        path_from("measured", Path() if measured else folder),
+    ):
         data = em.read_friction(file, columns=dict(map(_column, columns)))
     given: Any = scene.arguments(folder) | {"velocity": data.velocity}
     if data.temperature is not None:

@@ -61,7 +61,7 @@ def read_content(path: Path) -> Content:
     except OSError as error:
         raise InputError(
             argument="SCENE",
-            got=path.name,
+            got=str(path),
             accepted="a file that can be read",
             hint=str(error.strerror or error),
         ) from error
@@ -69,13 +69,13 @@ def read_content(path: Path) -> Content:
         line = error.object[: error.start].count(b"\n") + 1
         raise InputError(
             argument="SCENE",
-            got=path.name,
+            got=str(path),
             accepted="UTF-8 text",
             hint=f"line {line} is not: save it as UTF-8",
         ) from error
     except ValueError as error:  # not TOML, no valid path
         raise InputError(
-            argument="SCENE", got=path.name, accepted="valid TOML", hint=str(error)
+            argument="SCENE", got=str(path), accepted="valid TOML", hint=str(error)
         ) from error
 
 
@@ -117,7 +117,7 @@ def _refuse(verb: str, kind: type[Scene], key: str, table: bool) -> None:
         raise InputError(
             argument=name,
             accepted="a key of this kind of scenes",
-            hint=f"{hint.strip()} That key belongs to scenes of another kind.",
+            hint=f"{hint} That key belongs to scenes of another kind.",
         )
 
 

@@ -70,9 +70,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             sys.stdout.flush()
         return status
     except InputError as error:
-        from .units import shown
+        from .units import shown_beside
 
-        return _refused(error.words(shown=shown))
+        return _refused(error.words(shown=shown_beside(error.got)))
     except _UsageError as error:
         return _refused(str(error))
     except KeyboardInterrupt as error:

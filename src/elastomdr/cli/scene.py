@@ -325,14 +325,14 @@ def load(folder: Path, key: str, name: str) -> Any:
     is_file = name.endswith(".toml") or "/" in name or "\\" in name
     # by a list: asking for a name may fail, as where it is too long
     beside = {path.stem for path in folder.glob("*.toml")}
-    with path_from(key):
+    with path_from(key, folder):
         if not is_file and name not in em.materials() and name in beside:
             raise InputError(
                 argument="name_or_path",
                 got=name,
                 accepted=f'in the library, or "{name}.toml" beside the scene',
             )
-        return em.load_material(str(folder / name) if is_file else name)
+        return em.load_material(folder / name if is_file else name)
 
 
 def on_axes(arguments: Arguments) -> Arguments:

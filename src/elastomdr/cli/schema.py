@@ -326,7 +326,7 @@ def _decoded_table(
     for key in [key for key in given if key not in keys]:
         name, valid = _name(place, table=True), [*([tag] if tag else []), *keys]
         hint = _struct(table).of_others.get(key, "") or (
-            closest(str(key), valid).strip() or f"Valid keys are {', '.join(valid)}."
+            closest(str(key), valid) or f"Valid keys are {', '.join(valid)}."
         )
         raise InputError(
             argument=f"{name} {key}".strip(),
@@ -361,7 +361,7 @@ def _refused(
         argument=_name(place, bool(key.tables)),
         got=entry,
         accepted=key.accepted,
-        hint=closest(entry, key.words).strip() if isinstance(entry, str) else "",
+        hint=closest(entry, key.words) if isinstance(entry, str) else "",
     )
 
 
@@ -444,15 +444,19 @@ _PATHS = ("path", "path_or_paths", "path_or_heights", "name_or_path")
 
 
 @contextlib.contextmanager
-def path_from(key: str, options: Container[str] = ()) -> Iterator[None]:
-    """Calls the path of an `InputError` by the key that holds it; `options` are keys
-    themselves.
+def path_from(
+    key: str, folder: Path = Path(), options: Container[str] = ()
+) -> Iterator[None]:
+    """Calls the path of an `InputError` by the key that holds it, which names it as
+    seen from `folder`; `options` are keys themselves.
     """
     try:
         yield
     except InputError as error:
         if error.argument in _PATHS:
             error.called(key)
+            with contextlib.suppress(TypeError, ValueError):
+                error.got = str(Path(error.got).relative_to(folder))  # type: ignore[arg-type]
         elif error.argument not in options:
             error.inside("", key)
         raise
@@ -501,7 +505,8 @@ def _accepted(kind: Any) -> str:
         reader: Any = _PLAIN.get(kind, kind)
         return "a value" if kind is Any else reader.accepted()
     if origin is Literal:
-        return f"one of {', '.join(map(str, inner))}"
+        words = ", ".join(map(str, inner))
+        return f"one of {words}" if len(inner) > 1 else words
     if origin is dict:
         return "a table of lists"
     one = accepted(members(inner[0]))

@@ -421,7 +421,7 @@ class _Traction(Scene):
         """The rubber, and its friction."""
         friction: Any = self.friction
         if isinstance(friction, str):
-            with path_from("friction"):
+            with path_from("friction", folder):
                 friction = em.load_friction(folder / friction)
         return super().rubber(folder) | {"friction": friction}
 

@@ -268,7 +268,7 @@ def _write_table(dataset: Any, path: Path, header: list[str]) -> None:
     if path.suffix == ".xlsx" and points.converged.size > _TABLE_ROWS:
         raise InputError(
             argument="--table",
-            got=path.name,
+            got=str(path),
             accepted=f"a .csv for more than the {_TABLE_ROWS} rows of a sheet of Excel",
             hint=f"there are {points.converged.size}",
         )

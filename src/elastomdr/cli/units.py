@@ -4,11 +4,12 @@ file's schema; SI numbers inside.
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from decimal import Decimal
+from functools import partial
 from typing import Any, ClassVar, Self
 
-from ..errors import InputError, closest, written
+from ..errors import Amount, InputError, closest, written
 
 _MOST_SHOWN = 6  # entries of a list
 _LARGEST = 1e100  # in SI units: products of such numbers stay within float64
@@ -155,9 +156,7 @@ class SceneQuantity(float):
     @classmethod
     def in_unit(cls, value: float) -> str:
         """A number in SI units with its unit, a temperature in degrees Celsius."""
-        if cls.unit == "K":
-            return f"{value - 273.15:g} degC"
-        return f"{value:g} {cls.unit}".rstrip()
+        return _in_unit(value, cls.unit)
 
     @classmethod
     def accepted(cls) -> str:
@@ -347,10 +346,14 @@ class MolarEnergy(
 ): ...
 
 
-def shown(value: object) -> str:
-    """A value as TOML writes it; a model by its name, with the options it has."""
+def shown(value: object, unit: str = "") -> str:
+    """A value as TOML writes it; a model by its name, with the options it has; an
+    amount in a unit.
+    """
     if isinstance(value, str):
         return f'"{value}"'
+    if isinstance(value, Amount):
+        return _in_unit(*value, unit)
     if isinstance(value, bool) or value is None:
         return "nothing" if value is None else str(value).lower()
     if isinstance(value, list | tuple) and len(value) <= _MOST_SHOWN:
@@ -362,6 +365,24 @@ def shown(value: object) -> str:
     model: Any = value  # what `models.Model` has
     options = (f"{name} = {shown(one)}" for name, one in model.options().items())
     return " with ".join(filter(None, [f'"{model.label}"', ", ".join(options)]))
+
+
+def shown_beside(got: object) -> Callable[[object], str]:
+    """`shown`, with amounts in the unit of a value that was typed, such as "5 mm"."""
+    match = _NUMBER.fullmatch(str(got))
+    return partial(shown, unit=match[2] if match else "")
+
+
+def _in_unit(value: float, si: str, unit: str = "") -> str:
+    """A number in SI units in another unit where that is a usual one, else in its own,
+    a temperature in degrees Celsius.
+    """
+    usual = USUAL.get(si, {})
+    if unit not in usual:
+        unit = "degC" if si == "K" else si
+    times, _, over = usual.get(unit, "1").partition("/")
+    value = (value - float(_ZERO.get(unit, 0))) / float(times) * float(over or 1)
+    return f"{value:g} {unit}".rstrip()
 
 
 def _by_pint(number: float, unit: str, kind: type[SceneQuantity]) -> float:
@@ -380,7 +401,7 @@ def _by_pint(number: float, unit: str, kind: type[SceneQuantity]) -> float:
             argument=VALUE,
             got=f"{number:g} {unit}",
             accepted=f'with a unit that is known, as in "{kind.example}"',
-            hint=closest(unit, usual).strip() or known,
+            hint=closest(unit, usual) or known,
         ) from error
     wanted = units.parse_units(kind.unit)
     if not _alike(parsed.dimensionality, wanted.dimensionality) or str(

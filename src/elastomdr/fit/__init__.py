@@ -28,8 +28,8 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(
             (
                 "module 'elastomdr.fit' has no attribute "
-                f"{name!r}.{closest(name, __all__)}"
-            ),
+                f"{name!r}. {closest(name, __all__)}"
+            ).strip(),
             name=name,
         )
     value = getattr(importlib.import_module(f".{_MODULE_OF[name]}", __name__), name)

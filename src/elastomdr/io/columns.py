@@ -46,7 +46,7 @@ class ColumnKind:
     role: str
     kind: str  # of unit, a key of `units.KINDS`
     titles: tuple[str, ...]
-    # or "not negative", "between 0 and 90 deg"; "": of no row, NaN where not positive
+    # or "zero or positive", "between 0 and 90 deg"; "": of no row, NaN where not positive
     valid: str = "positive"
     option: str = ""  # the argument by which a user gives the unit
     # of the largest number, and of all temperatures [SI]
@@ -365,7 +365,6 @@ def choose(columns: Sequence[Column], table: TitledTable) -> dict[str, Column]:
             ) * (first.title == column.title)
             raise InputError(
                 argument="path",
-                got=table.name,
                 accepted=f"a table with one column of {column.role}",
                 hint=f"{first.words} and {column.words} differ; {isotherms}name one, "
                 "as "
@@ -388,7 +387,6 @@ def _by_the_clock(column: Column, table: TitledTable) -> Column:
     if times[0] > _DAYTIME:
         raise InputError(
             argument="path",
-            got=table.name,
             accepted="a table whose times count from the step of strain or stress",
             hint=f"column {column.words} begins at {times[0] / 3600:.4g} h and lasts "
             f"{np.ptp(times):.4g} s, a time of day: write seconds since the step "
@@ -416,7 +414,7 @@ def measured(
         if not valid:
             values[role] = np.where(x > 0, x, np.nan)
             continue
-        in_range = {"positive": x > 0, "not negative": x >= 0}.get(
+        in_range = {"positive": x > 0, "zero or positive": x >= 0}.get(
             valid, (x > 0) & (x < np.pi / 2)
         )
         for i in map(int, np.flatnonzero(good & ~(np.isfinite(x) & in_range))):
@@ -429,7 +427,7 @@ def measured(
     bad = [f"line {table.rows[i].line}: {wrong[i]}" for i in sorted(wrong)]
     kept = {role: x[good] for role, x in values.items()}
     if good.any():
-        _check_limits(table.name, chosen, kept, given)
+        _check_limits(chosen, kept, given)
     return kept, good, bad
 
 
@@ -453,7 +451,6 @@ def _cell(table: TitledTable, row: int, place: int) -> str:
 
 
 def _check_limits(
-    name: str,
     chosen: Mapping[str, Column],
     values: Mapping[str, np.ndarray],
     units: Mapping[str, str],
@@ -480,7 +477,6 @@ def _check_limits(
         ]
         raise InputError(
             argument="path",
-            got=name,
             accepted=f"a table whose column {column.words}, read in {units[role]}, is "
             f"between {low:g} and {high:g} {KINDS[quantity.kind][0]}",
             hint=f"it goes from {known.min():.4g} to {known.max():.4g}; give the "
@@ -513,7 +509,7 @@ def read_columns(
     sheet = read_sheet(path)
     table = main_table(sheet)
     if table is None:
-        raise InputError(argument="path", got=sheet.name, accepted=NUMBERS)
+        raise InputError(argument="path", accepted=NUMBERS)
     table = table._replace(name=sheet.name, units=units)
     refuse_wide([table])
     understood = understand_table(columns, table, quantities)
@@ -535,7 +531,6 @@ def read_columns(
             known = Understood(list(chosen.values()), {}, {}).in_words()
             raise InputError(
                 argument="path",
-                got=sheet.name,
                 accepted=f"a table with a column of {role}",
                 hint=missing(known, table),
             )
@@ -584,7 +579,6 @@ def refuse_contradiction(
     ways = [naming({one.role: str(one.place + 1)}) for one in (loss, tangent)]
     raise InputError(
         argument="path",
-        got=table.name,
         accepted=f"a table whose column {tangent.words} is the ratio of {loss.words} "
         f"and {storage.words}",
         hint=f"it is {factor:.3g} times that (median of the rows); name the one that "
@@ -598,7 +592,6 @@ def refuse_wide(tables: Sequence[TitledTable]) -> None:
         if len(table.heads) > MOST_COLUMNS:
             raise InputError(
                 argument="path",
-                got=table.name,
                 accepted=f"a table of {MOST_COLUMNS:,} columns at most",
                 hint=f"it has {len(table.heads):,}: leave out what is not needed, or "
                 "exchange rows and columns",
@@ -609,13 +602,12 @@ def unit_of(table: TitledTable, column: Column) -> str:
     """The unit of a column: its own, or else the user's. Raises `InputError` where
     there is none.
     """
-    quantity, name = column.quantity, table.name
+    quantity = column.quantity
     place = column.place + 1
     ways = naming({column.role: f"{place} [UNIT]"})
     if column.log == "log":
         raise InputError(
             argument="path",
-            got=name,
             accepted="a table whose logarithms say their base",
             hint=f"{column.title!r} does not; name it, as "
             + naming({column.role: f"log10({place}) [UNIT]"})
@@ -626,7 +618,6 @@ def unit_of(table: TitledTable, column: Column) -> str:
         other = is_unit(column.unit) and "frequency" not in quantity.kind
         raise InputError(
             argument="path",
-            got=name,
             accepted=f"a table whose column {column.words} has a unit of "
             f"{quantity.kind} ({usual(quantity.kind)} ...), as {column.role} "
             "needs",
@@ -639,7 +630,6 @@ def unit_of(table: TitledTable, column: Column) -> str:
         option = advise(option, {option: ""}) + " or " if option else ""
         raise InputError(
             argument="path",
-            got=name,
             accepted=f"a table whose column {column.words} has a unit",
             hint="give it, as " + option + ways + f", one of {usual(quantity.kind)}",
         )

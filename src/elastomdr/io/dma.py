@@ -12,6 +12,7 @@ import numpy as np
 
 from ..checks import in_si, one_of, plain, positive
 from ..errors import InputError, advise, either, typed_as, warn
+from ..files import file_as_typed
 from .columns import (
     NUMBERS,
     Column,
@@ -139,11 +140,10 @@ def read_dma(
         kind, columns, units, specimen, isinstance(temperature, (Sequence, np.ndarray))
     )
     unmet = dict(columns or {})
-    parts = [
-        measurement
-        for source in _checked_sources(path_or_paths)
-        for measurement in _read(source, options, unmet)
-    ]
+    parts: list[Dma] = []
+    for source in _checked_sources(path_or_paths):
+        with file_as_typed(source):
+            parts += _read(source, options, unmet)
     if unmet:
         raise InputError(
             argument="columns",
@@ -258,7 +258,6 @@ def _read(source: Any, options: _Options, unmet: dict[str, str | int]) -> list[D
         known, lack = not_understood or ([], "there are no columns of moduli")
         raise InputError(
             argument="path",
-            got=name,
             accepted=_A_MEASUREMENT if parts else NUMBERS,
             hint=lack + "; " + missing(known, max(parts, key=lambda one: len(one.rows)))
             if parts
@@ -268,7 +267,6 @@ def _read(source: Any, options: _Options, unmet: dict[str, str | int]) -> list[D
     if 0 < len(without) < len(measurements):
         raise InputError(
             argument="path",
-            got=name,
             accepted="a file whose rows all have a temperature, or none",
             hint=f"the rows from line {used[without[0]].rows[0].line} on have none: "
             "write it above them, as 'T = -20 degC', or into a column",
@@ -310,7 +308,6 @@ def _refuse_second_step(
         if apart and apart[-1]:
             raise InputError(
                 argument="path",
-                got=table.name,
                 accepted="a file whose times count from their own step",
                 hint=f"{on}, at another temperature: {advice}",
             )
@@ -361,7 +358,6 @@ def _refuse_rows_below(table: TitledTable, before: TitledTable) -> None:
         titles = ", ".join(head.title for head in table.heads)[:80]
         raise InputError(
             argument="path",
-            got=table.name,
             accepted="a table whose rows stand below titles that are understood",
             hint=f"those from line {line} on are below {titles!r}: leave them out, or "
             "name the columns",
@@ -432,7 +428,6 @@ def _measurement(
             raise NoStep(table, why, "")
         raise InputError(
             argument="path",
-            got=name,
             accepted="a file with rows that are a measurement",
             hint=why,
         )

@@ -58,7 +58,6 @@ class NoStep(InputError):
     ):
         super().__init__(
             argument="path",
-            got=table.name,
             accepted="a table of the response to one step of stress or strain",
             hint=why + (": " + advice if advice else ""),
         )

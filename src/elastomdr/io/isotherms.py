@@ -111,7 +111,7 @@ def _steps(table: TitledTable) -> list[TitledTable]:
             and (steps == np.round(steps)).all()
             and np.isfinite(numbers).all()
         ):
-            refuse_many(table.name, steps.size)
+            refuse_many(steps.size)
             rows: dict[float, list[Row]] = {step: [] for step in steps.tolist()}
             for row, step in zip(table.rows, numbers.tolist(), strict=True):
                 rows[step].append(row)
@@ -221,7 +221,6 @@ def _between(table: TitledTable, first: int, end: int) -> dict[str, float]:
     if temperatures and max(temperatures) - min(temperatures) > _SAME:
         raise InputError(
             argument="path",
-            got=table.name,
             accepted="a table with one temperature above its columns",
             hint=f"{' and '.join(map(repr, temperatures.values()))} stand above the "
             "same: leave the one that is theirs",
@@ -259,7 +258,6 @@ def _bare(table: TitledTable, count: int) -> list[float]:
         if count > 1:
             raise InputError(
                 argument="path",
-                got=table.name,
                 accepted="a table whose temperatures have a unit",
                 hint=f"those in line {row.line}, {listed}, above {count} isotherms "
                 "have none: give degC or K, as "

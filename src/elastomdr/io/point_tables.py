@@ -9,6 +9,7 @@ import numpy as np
 
 from ..checks import in_kelvin, in_si, plain
 from ..errors import InputError, warn
+from ..files import file_as_typed
 from ..material.shift import ShiftTable, VerticalTable
 from .columns import (
     ColumnKind,
@@ -45,7 +46,7 @@ _FRICTION = (
             r"mu|µ|μ|cof|friction|(friction|frictional) coefficient|"
             r"coefficient of friction|reib(wert|ungszahl)|reibungskoeffizient",
         ),
-        valid="not negative",
+        valid="zero or positive",
         limits=(0.0, 8.0),
     ),
     _TEMPERATURE,
@@ -128,14 +129,15 @@ def read_friction(
         }
     )
     units["modulus"] = units.pop("pressure", "")
-    table, chosen, values, bad = read_columns(
-        path, _FRICTION, ("velocity", "mu"), columns, units
-    )
+    with file_as_typed(path):
+        table, chosen, values, bad = read_columns(
+            path, _FRICTION, ("velocity", "mu"), columns, units
+        )
     name = table.name
     if 2 * len(bad) > len(table.rows):
         raise InputError(
             argument="path",
-            got=name,
+            got=path,
             accepted="a table most of whose rows are a measurement",
             hint=f"{len(bad)} of {len(table.rows)} are not: {'; '.join(bad[:3])} ...",
         )
@@ -143,7 +145,7 @@ def read_friction(
         if chosen["mu"].unit == "%":
             raise InputError(
                 argument="path",
-                got=name,
+                got=path,
                 accepted="a table whose error is a plain number where mu is in %",
                 hint="the error may be percent of mu or of 1",
             )
@@ -236,13 +238,14 @@ def _both_shifts(
     """The columns of a file, its shift factors, and the vertical ones."""
     units = checked_units({"temperature": temperature_unit})
     # nobody's log a_T is ln
-    read = read_columns(
-        path, _SHIFTS, ("temperature", "shift"), columns, units, log="log10"
-    )
+    with file_as_typed(path):
+        read = read_columns(
+            path, _SHIFTS, ("temperature", "shift"), columns, units, log="log10"
+        )
     if read.bad:
         raise InputError(
             argument="path",
-            got=read.table.name,
+            got=path,
             accepted="a table whose rows are all of numbers",
             hint="; ".join(read.bad[:3]),
         )
@@ -256,7 +259,7 @@ def _both_shifts(
         if not column.log and (read.table.column(column.place) <= 0).any():
             raise InputError(
                 argument="path",
-                got=read.table.name,
+                got=path,
                 accepted=f"a table whose column {column.words} is positive",
                 hint="if it holds logarithms, title it 'log10 bT', or give it as "
                 + naming({"vertical": f"log10({column.place + 1})"}),

@@ -55,8 +55,8 @@ def read_sheet(path: str | os.PathLike[str]) -> Sheet:
     path = as_path(path)
     name, raw = path.name or str(path), bytes_of(path)
     if raw[:4] in (b"\xd0\xcf\x11\xe0", b"PK\x03\x04"):
-        return Sheet(name, with_points(_spreadsheet(path, name), ""), [])
-    return cut(name, decode(raw, name))
+        return Sheet(name, with_points(_spreadsheet(path), ""), [])
+    return cut(name, decode(raw))
 
 
 def bytes_of(path: Path) -> bytes:
@@ -71,7 +71,6 @@ def bytes_of(path: Path) -> bytes:
         )
         raise InputError(
             argument="path",
-            got=path.name or str(path),
             accepted="a file that can be read",
             hint=str(reason),
         ) from error
@@ -141,7 +140,6 @@ def cut(name: str, content: str) -> Sheet:
     if content.count("\n") > _MOST_LINES:
         raise InputError(
             argument="path",
-            got=name,
             accepted=f"a text of {_MOST_LINES:,} lines at most",
             hint=f"it has {content.count(chr(10)):,}",
         )
@@ -154,7 +152,6 @@ def cut(name: str, content: str) -> Sheet:
     if longest > _LONGEST_LINE:
         raise InputError(
             argument="path",
-            got=name,
             accepted=f"a text with lines of {_LONGEST_LINE:,} characters at most",
             hint=f"one has {longest:,}",
         )
@@ -162,7 +159,6 @@ def cut(name: str, content: str) -> Sheet:
     if content.count(mark) > _MOST_CELLS:
         raise InputError(
             argument="path",
-            got=name,
             accepted=f"a text of {_MOST_CELLS:,} cells at most",
             hint=f"it has {content.count(mark):,}",
         )
@@ -185,7 +181,7 @@ def cut(name: str, content: str) -> Sheet:
     return Sheet(name, rows, lines, mark)
 
 
-def decode(raw: bytes, name: str) -> str:
+def decode(raw: bytes) -> str:
     """Text from UTF-16, UTF-8, Windows-1252 or cp949, whichever fits; Latin-1 fits
     always.
     """
@@ -198,7 +194,6 @@ def decode(raw: bytes, name: str) -> str:
     if b"\0" in raw[:4096]:
         raise InputError(
             argument="path",
-            got=name,
             accepted="a text file or a spreadsheet (.xls, .xlsx)",
             hint="it has binary data",
         )
@@ -340,25 +335,22 @@ def run_reader(reader: str, path: Path, patience: float, accepted: str) -> bytes
     except subprocess.TimeoutExpired as error:
         raise InputError(
             argument="path",
-            got=path.name,
             accepted=f"{accepted} that can be read in {patience} s",
         ) from error
     if read.returncode != 0:
         reason = read.stdout.decode(errors="replace") * (read.returncode == 1)
         raise InputError(
             argument="path",
-            got=path.name,
             accepted=f"{accepted} that can be read",
             hint=" ".join(reason.split())[:300].rstrip(".") or "it is damaged",
         )
     return read.stdout
 
 
-def _spreadsheet(path: Path, name: str) -> list[Row]:
+def _spreadsheet(path: Path) -> list[Row]:
     if importlib.util.find_spec("python_calamine") is None:
         raise InputError(
             argument="path",
-            got=name,
             accepted="a text file where python-calamine is not installed, which "
             "reads spreadsheets",
             hint="pip install elastomdr[excel]",

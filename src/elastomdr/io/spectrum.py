@@ -17,6 +17,7 @@ import numpy as np
 
 from ..checks import in_si, one_of, plain, positive
 from ..errors import InputError
+from ..files import file_as_typed
 from ..surface.spectrum import check_convention
 from ..surface.topography import MeasuredSpectrum, from_spectrum
 from ..units.registry import is_level, to_si
@@ -92,19 +93,20 @@ def read_spectrum(
         if wave is not None:
             positive(key, plain(key, wave))
     low, high = (wave and 2 * np.pi / float(wave) for wave in waves.values())
-    sheet = read_sheet(path)
-    name, table = sheet.name, main_table(sheet)
-    if table is None:
-        raise InputError(
-            argument="path",
-            got=name,
-            accepted="a table of wave numbers and a spectrum, with rows of two numbers",
-        )
-    refuse_ragged(name, table)
-    first, second = _columns(table, columns, name)
-    q = _wave_numbers(table, first, wave_number, q_unit, name)
-    c = _densities(table, second, convention, c_unit, name)
-    kept = _rows(table, (first, second), q, c, name)
+    with file_as_typed(path):
+        sheet = read_sheet(path)
+        name, table = sheet.name, main_table(sheet)
+        if table is None:
+            raise InputError(
+                argument="path",
+                accepted="a table of wave numbers and a spectrum, with rows of two "
+                "numbers",
+            )
+        refuse_ragged(table)
+        first, second = _columns(table, columns, name)
+        q = _wave_numbers(table, first, wave_number, q_unit, name)
+        c = _densities(table, second, convention, c_unit, name)
+        kept = _rows(table, (first, second), q, c)
     lines = [str(row.line) for row, k in zip(table.rows, kept, strict=True) if not k]
     shown = ", ".join(lines[:5]) + ", ..." * (len(lines) > 5)
     left = (
@@ -294,7 +296,6 @@ def _columns(
         if any(is_level(unit) for _, unit in [("", head.below), *splits(head.title)]):
             raise InputError(
                 argument="path",
-                got=name,
                 accepted="a table of numbers, not of levels in dB",
                 hint=f"column {head.words} has levels: turn them into numbers first. "
                 "Levels L re 1e-6 m of bands (ISO 13473-4) are C = 1e-12 m^2 "
@@ -307,7 +308,6 @@ def _columns(
         ):
             raise InputError(
                 argument="path",
-                got=name,
                 accepted="a table of numbers, not of logarithms",
                 hint=f"column {head.words} has logarithms: turn them into numbers "
                 "first, or name other columns, as columns = [N, M]",
@@ -320,7 +320,6 @@ def _rows(
     heads: tuple[Head, Head],
     q: np.ndarray,
     c: np.ndarray,
-    name: str,
 ) -> np.ndarray:
     """Which rows hold two numbers. Raises `InputError` for what no spectrum holds, with
     line and value.
@@ -337,7 +336,6 @@ def _rows(
             )
             raise InputError(
                 argument="path",
-                got=name,
                 accepted=f"a table whose {quantity} is positive",
                 hint=f"it is {row.cells[head.place]} in line {row.line} ({wrong.size} "
                 f"such rows){hint}",
@@ -345,14 +343,12 @@ def _rows(
     if used.sum() < 3:
         raise InputError(
             argument="path",
-            got=name,
             accepted="a table of three rows of numbers or more",
             hint=f"it has {int(used.sum())}",
         )
     if not (np.all(q[used] < _LARGEST) and np.all(c[used] < _LARGEST)):
         raise InputError(
             argument="path",
-            got=name,
             accepted=f"a table of numbers below {_LARGEST:g} in SI units",
         )
     return used

@@ -202,7 +202,9 @@ def _scans(source: Any, pixel_size: Any, layout: _Layout) -> list[Scan]:
                 return [_from_instrument(path, pixel_size, layout)]
             return _from_text(path, pixel_size, layout)
         except InputError as error:
-            if error.got != path.name:
+            if error.argument == "path":
+                error.got = source
+            else:
                 error.inside(repr(path.name))
             raise
     if layout != _Layout([None], None):
@@ -296,12 +298,11 @@ def _from_text(path: Path, pixel_size: Any, layout: _Layout) -> list[Scan]:
         found = f"it has {len(heads)}" if table else "it has no row of two numbers"
         raise InputError(
             argument="path",
-            got=path.name,
             accepted="a table with two columns (x, height) or three (x, y, height)",
             hint=f"{found}; columns=[N, M] selects some, and a matrix of heights "
             "needs pixel_size",
         )
-    refuse_ragged(path.name, table)
+    refuse_ragged(table)
     data = np.stack(
         [
             table.column(head.place)
@@ -325,7 +326,6 @@ def _from_instrument(path: Path, pixel_size: Any, layout: _Layout) -> Scan:
     if not _can_read_instruments():
         raise InputError(
             argument="path",
-            got=path.name,
             accepted="a table of heights (.csv, .tsv, .txt, .dat)",
             hint="files of instruments are read with SurfaceTopography, which is not "
             "installed: pip install elastomdr[instruments]",

@@ -114,7 +114,7 @@ def tables(sheet: Sheet, fewest: int = 2) -> list[TitledTable]:
         if rows:
             before = _table(sheet, above, rows, before)
             complete.append(before)
-            refuse_many(sheet.name, len(complete))
+            refuse_many(len(complete))
             above, rows = single, []
         above.append(row)
         if not row.line:  # the end of a sheet
@@ -122,12 +122,11 @@ def tables(sheet: Sheet, fewest: int = 2) -> list[TitledTable]:
     return complete
 
 
-def refuse_many(name: str, count: int) -> None:
+def refuse_many(count: int) -> None:
     """Raises `InputError` for more tables than a measurement has."""
     if count > _MOST_TABLES:
         raise InputError(
             argument="path",
-            got=name,
             accepted=f"a file with {_MOST_TABLES:,} tables (or steps) at most",
         )
 
@@ -223,13 +222,12 @@ def named_heads(
     return [known[one] for one in columns]
 
 
-def refuse_ragged(name: str, table: TitledTable) -> None:
+def refuse_ragged(table: TitledTable) -> None:
     """Raises `InputError` for a row with more or fewer cells than there are titles."""
     for row in table.rows:
         if len(row.cells) != len(table.heads):
             raise InputError(
                 argument="path",
-                got=name,
                 accepted="a table with as many cells in each row as titles",
                 hint=f"it has {len(row.cells)} in line {row.line}, {len(table.heads)} "
                 "elsewhere",

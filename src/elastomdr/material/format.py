@@ -222,7 +222,7 @@ def _one_of(key: str, where: str, value: object, accepted: Iterable[str]) -> Non
             argument=_named(key, where),
             got=value,
             accepted=f"one of {', '.join(accepted)}",
-            hint=closest(str(value), accepted).strip(),
+            hint=closest(str(value), accepted),
         )
 
 
@@ -248,7 +248,7 @@ def _validate_table(
             raise InputError(
                 argument=_named(key, where),
                 accepted=f"one of the keys {', '.join(keys)}",
-                hint=closest(key, keys).strip(),
+                hint=closest(key, keys),
             )
         if not _is_of_type(value, keys[key]):
             raise InputError(argument=_named(key, where), got=value, accepted=keys[key])

@@ -231,7 +231,7 @@ def locate(name_or_path: str | os.PathLike[str]) -> Path:
             near = near or closest(path.stem, _files())
             raise InputError(
                 argument="name_or_path",
-                got=name,
+                got=name_or_path,
                 accepted="a file that there is",
                 hint=f"{near} Looked for in {path.absolute().parent}.".strip(),
             )
@@ -240,7 +240,7 @@ def locate(name_or_path: str | os.PathLike[str]) -> Path:
     if name not in files:
         raise InputError(
             argument="name_or_path",
-            got=name,
+            got=name_or_path,
             accepted="in the library (em.materials(), `elastomdr materials`), or a "
             "path that ends in .toml",
             hint=f"{closest(name, files)} Looked for in {', '.join(map(str, _folders()))}.".strip(),
@@ -248,7 +248,7 @@ def locate(name_or_path: str | os.PathLike[str]) -> Path:
     if len(files[name]) > 1:
         raise InputError(
             argument="name_or_path",
-            got=name,
+            got=name_or_path,
             accepted="in the library once",
             hint=f"give the path, one of {', '.join(map(str, files[name]))}",
         )

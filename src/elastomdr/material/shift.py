@@ -28,7 +28,7 @@ from ..checks import (
     untraced,
     written,
 )
-from ..errors import InputError
+from ..errors import InputError, amount
 from ..numerics.interpolation import hermite, monotone_slopes
 from ..trees import Tree, fill, same
 
@@ -150,8 +150,8 @@ class VFT(AbstractShift):
             raise InputError(
                 argument="t0",
                 got=float(self.t0),
-                accepted=f"below the reference temperature, {float(self.reference):g} "
-                "K",
+                accepted="below the reference temperature, "
+                + amount(self.reference, "K"),
             )
 
     def _log10_a(self, temperature: Array) -> Array:
@@ -248,7 +248,8 @@ class ShiftTable(AbstractShift):
 def _above_pole(law: str, temperature: Array, pole: Array) -> None:
     if not is_traced(pole):
         limit = float(pole)
-        accepted = f"above the {law} pole at {limit:g} K, where the law breaks down"
+        place = amount(limit, "K") + ", where the law breaks down"
+        accepted = f"above the {law} pole at " + place
         require("temperature", temperature, accepted, lambda t: t > limit)
 
 
@@ -358,7 +359,7 @@ def _within_table(table: str, nodes: Array, temperature: Array) -> None:
     if is_traced(nodes):
         return
     low, high = float(nodes[0]), float(nodes[-1])
-    accepted = f"within the {table}, {low:g} K to {high:g} K"
+    accepted = f"within the {table}, " + amount(low, "K") + " to " + amount(high, "K")
     require("temperature", temperature, accepted, lambda t: (t >= low) & (t <= high))
 
 

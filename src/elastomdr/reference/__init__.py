@@ -21,7 +21,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     raise AttributeError(
-        f"module 'elastomdr.reference' has no attribute {name!r}."
-        f"{closest(name, __all__)}",
+        f"module 'elastomdr.reference' has no attribute {name!r}. "
+        f"{closest(name, __all__)}".strip(),
         name=name,
     )

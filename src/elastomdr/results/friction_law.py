@@ -358,7 +358,7 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
     except (OSError, ValueError, csv.Error) as error:
         raise InputError(
             argument="path",
-            got=name,
+            got=path,
             accepted="a text file that can be read",
             hint=str(getattr(error, "strerror", None) or error),
         ) from error
@@ -371,7 +371,7 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
             got = ", ".join(rows[0]) if rows else "nothing"
             raise InputError(
                 argument="path",
-                got=name,
+                got=path,
                 accepted=f"a table with one column {titles[0]!r}",
                 hint=f"its columns are {got}",
             )
@@ -387,7 +387,7 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
     except (ValueError, IndexError) as error:
         raise InputError(
             argument="path",
-            got=name,
+            got=path,
             accepted="a table without cells that are missing or no number",
         ) from error
     try:

@@ -39,7 +39,7 @@ from ..checks import (
     warn_unless,
 )
 from ..element.law import Foundation
-from ..errors import InputError
+from ..errors import InputError, amount
 from ..material.validity import material_in_words
 from ..models import Model, as_model, named, seeds_of
 from ..results.base import WIDE, Array, Result, quantity, record, setting
@@ -666,7 +666,7 @@ def _check(arguments: dict[str, ArrayLike | None], peak: ArrayLike) -> LeakGiven
         raise InputError(
             argument="pressure_drop",
             got=high,
-            accepted=f"below pressure, {low:g} Pa",
+            accepted="below pressure, " + amount(low, "Pa"),
             hint="a fluid that presses harder than the rubber lifts it, and the seal "
             "opens; for a seal on which the fluid presses, such as an O-ring, give the "
             "sum of both pressures, that of the squeeze and that of the fluid",

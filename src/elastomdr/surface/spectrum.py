@@ -419,7 +419,7 @@ class Spectrum(AbstractSpectrum):
 def check_convention(convention: object) -> None:
     """Raises `InputError`, with all that there are, where it is none."""
     if not isinstance(convention, str) or convention not in CONVENTIONS:
-        hint = closest(str(convention), CONVENTIONS).strip()
+        hint = closest(str(convention), CONVENTIONS)
         listed = "; ".join(
             f"{name!r}: {meaning}" for name, meaning in CONVENTIONS.items()
         )

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 
 from ..checks import is_traced, scalar
-from ..errors import InputError, ModelWarning, warn
+from ..errors import InputError, ModelWarning, amount, warn
 from ..material.validity import Draws
 from ..trees import static
 from .height_map import HeightMap
@@ -247,8 +247,10 @@ def _parts(scans: Sequence[Scan], shortest: float | None) -> list[_Part]:
             raise InputError(
                 argument="shortest",
                 got=float(shortest),
-                accepted=f"{least:.4g} to {longest / 2:.4g} m, two steps of the data "
-                "to a quarter of their length",
+                accepted=amount(least, "m", 4)
+                + " to "
+                + amount(longest / 2, "m", 4)
+                + ", two steps of the data to a quarter of their length",
             )
         highest = [min(q, 2 * np.pi / shortest) for q in highest]
         highest[finest] = 2 * np.pi / shortest
@@ -1074,13 +1076,16 @@ def _cut(
             raise InputError(
                 argument=name,
                 got=2 * np.pi / q,
-                accepted=f"within the table, {least:.4g} to {most:.4g} m",
+                accepted="within the table, "
+                + amount(least, "m", 4)
+                + " to "
+                + amount(most, "m", 4),
             )
     if not first < last:
         raise InputError(
             argument="shortest",
             got=2 * np.pi / last,
-            accepted=f"shorter than the longest, {2 * np.pi / first:.4g} m",
+            accepted="shorter than the longest, " + amount(2 * np.pi / first, "m", 4),
         )
     first, last = float(max(first, lowest)), float(min(last, highest))
     inner = spectrum.q[(spectrum.q > first) & (spectrum.q < last)]

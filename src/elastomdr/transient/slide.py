@@ -18,7 +18,7 @@ from ..checks import (
     warn_unless,
 )
 from ..element.body_over_line import indenter, rough
-from ..errors import InputError
+from ..errors import InputError, amount
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.rough_line import RoughLine
 from .age import sliding_beyond
@@ -175,7 +175,9 @@ def _steps(history: GivenHistory, spacing: float | None) -> tuple[Timeline, Any]
             raise InputError(
                 argument="position",
                 got=way,
-                accepted=f"a way of at most {_STEPS * spacing:.3g} m (a scene's stages), "
+                accepted="a way of at most "
+                + amount(_STEPS * spacing, "m", 3)
+                + " (a scene's stages), "
                 f"which are {_STEPS:g} elements as wide as the contact asks for",
                 hint="for steady sliding take em.friction(..., model=em.Line())",
             )

@@ -31,7 +31,7 @@ from ..checks import (
 )
 from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer
-from ..errors import InputError
+from ..errors import InputError, amount
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation
 from ..material.shift import need_same_thermal, thermal_factors
@@ -169,7 +169,8 @@ class _TractionScene(NamedTuple):
             raise InputError(
                 argument="friction",
                 got=law,
-                accepted=f"a law that covers the {meant}, {error.got:.4g} {unit}",
+                accepted=f"a law that covers the {meant}, "
+                + amount(float(np.asarray(error.got)), unit, 4),
             ) from error
 
     def words(self, friction: Array) -> list[tuple[str, str]]:

@@ -223,8 +223,8 @@ def arguments_in_si(
             word = next(name for name in kwargs if name not in known)
             accepted = [name for name in names if name not in ("self", "cls")]
             called = inner.__qualname__.removesuffix(".__init__")
-            hint = closest(word, accepted) or f" Arguments are {', '.join(accepted)}."
-            raise TypeError(f"{called}() has no argument {word!r}.{hint}")
+            hint = closest(word, accepted) or f"Arguments are {', '.join(accepted)}."
+            raise TypeError(f"{called}() has no argument {word!r}. {hint}")
         of = {**dict(zip(names, args, strict=False)), **kwargs}
         carried = False
         for name, value in of.items():
