@@ -13,6 +13,7 @@ import base64
 import html
 import json
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -420,11 +421,50 @@ def on_page_markdown(
         return f"[{words}]({up}{uri}{'#' + anchor if anchor else ''})"
 
     if KEYS in markdown:
-        from elastomdr.cli.keys import as_markdown
-
-        markdown = markdown.replace(KEYS, as_markdown())
+        markdown = markdown.replace(KEYS, keys_page())
     images = re.sub(r"(!\[[^\]]*\]\()docs/", r"\1", markdown)
     return re.sub(r"(?<!!)\[((?:[^\[\]]|\[[^\[\]]*\])+)\]\(([^)\s]+)\)", follow, images)
+
+
+def keys_page() -> str:
+    """The keys of all scenes, a table for each section; one that several kinds share
+    stands at its first place.
+    """
+    from elastomdr.cli.keys import section_of, sections
+    from elastomdr.cli.kinds import KINDS as VERBS
+    from elastomdr.cli.schema import about
+    from elastomdr.cli.sweep import SweepTable
+
+    lines, seen = [], []
+    for verb, kinds in VERBS.items():
+        lines += [f"## elastomdr {verb}", ""]
+        for kind in kinds:
+            lines += [f"### {about(kind).rstrip('.')}", ""]
+            for section in sections(kind):
+                if section not in seen:
+                    seen.append(section)
+                    lines += _rows(section)
+    lines += [
+        "## elastomdr sweep",
+        "",
+        "Beside the keys of friction, rolling or impact:",
+        "",
+    ]
+    return "\n".join([*lines, *_rows(section_of("[sweep]", SweepTable))])
+
+
+def _rows(section: Any) -> Iterator[str]:
+    """A section as a table of Markdown."""
+    from elastomdr.cli.keys import cells
+
+    if section.title:
+        yield from (f"`{section.title}` {section.about}", "")
+    if section.keys:
+        yield from ("| key | accepted | default | meaning |", "|---|---|---|---|")
+    for key in section.keys:
+        row = " | ".join(cell.replace("|", "\\|") for cell in cells(key))
+        yield f"| `{key.name}` | {row} |"
+    yield ""
 
 
 def on_page_content(text: str, page: Any, config: MkDocsConfig, files: Files) -> str:

@@ -2,6 +2,7 @@
 
 import os
 import re
+import tomllib
 import warnings
 from pathlib import Path
 
@@ -158,18 +159,11 @@ def test_materials(place, capsys):
     for name in em.materials():
         assert f"\n{name} " in "\n" + listed
     assert main(["materials", em.materials()[0]]) == 0
-    assert "source, moduli" in capsys.readouterr().out
+    assert "[source.moduli]" in capsys.readouterr().out
     assert main(["materials", "rubber.toml"]) == 0
     shown = capsys.readouterr().out
-    for said in (
-        "1 MPa",
-        "4 MPa",
-        "WLF",
-        "c2 = 101.6 K",
-        "reference = 293.15 K",
-        "0.01",
-    ):
-        assert said in shown
+    assert shown.startswith("# rubber.toml\n")
+    assert tomllib.loads(shown) == tomllib.loads(Path("rubber.toml").read_text())
     assert "Did you mean" in refused(capsys, "materials", em.materials()[0] + "x")
 
 
@@ -270,17 +264,11 @@ SHAPES = {
         'shape = "profile"\nunit = "mm"\nr = [0, 1, 2, 3, 4]\nz = [0.0, 0.1, 0.4, '
         "0.9, 1.6]"
     ): em.Profile(1e-3 * np.arange(5.0), 1e-4 * np.arange(5.0) ** 2),
-    'shape = "profile"\nunit = "mm"\nfile = "tip.csv"': em.Profile(
-        1e-3 * np.arange(5.0), 1e-4 * np.arange(5.0) ** 2
-    ),
 }
 
 
 @pytest.mark.parametrize("text", SHAPES)
 def test_shapes(place, text):
-    (place / "tip.csv").write_text(
-        "# a tip\nr, z\n0, 0\n1, 0.1\n2; 0.4\n3\t0.9\n4 1.6\n"
-    )
     shape = arguments(
         "friction", write(place, ('shape = "paraboloid"\nradius = "5 mm"', text))
     )["shape"]
@@ -289,18 +277,6 @@ def test_shapes(place, text):
         *(jax.tree.leaves(s) for s in (shape, SHAPES[text])), strict=True
     ):
         np.testing.assert_allclose(found, expected, rtol=1e-14)
-
-
-def test_bad_line_in_a_profile(place, capsys):
-    (place / "tip.csv").write_text("0, 0\n1, 0.1\n2, x\n3, 0.9\n")
-    name = write(
-        place,
-        (
-            'shape = "paraboloid"\nradius = "5 mm"',
-            'shape = "profile"\nunit = "mm"\nfile = "tip.csv"',
-        ),
-    )
-    assert "line 3" in refused(capsys, "friction", name)
 
 
 def test_layer_and_two_bodies(place):
@@ -389,10 +365,3 @@ def test_shipped_scenes_can_be_read(scene):
     )
     if read.called() in ("friction", "rolling") and read.mark == "indenter":
         assert em.plan(**found, quantity=verb).points >= 3
-
-
-def test_a_plan_is_written_where_a_folder_is_given(tmp_path, capsys):
-    scene = Path(__file__).parents[2] / "examples" / "scenes" / "slider.toml"
-    assert main(["plan", str(scene), "--out", str(tmp_path)]) == 0
-    printed = capsys.readouterr().out
-    assert (tmp_path / "slider-plan.txt").read_text(encoding="utf-8") in printed

@@ -94,14 +94,6 @@ def test_histories():
     np.testing.assert_allclose(
         np.interp([1, 2, 3, 4, 5], twice["time"], twice["depth"]), [1e-3, 0, 0, 1e-3, 0]
     )
-    sine = history(
-        'program = "sine"\ndepth = "1 mm"\namplitude = "0.5 mm"\nfrequency = "2 '
-        'Hz"\ncycles = 3\npoints = 25'
-    )
-    assert sine["time"][-1] == 1.5
-    np.testing.assert_allclose(
-        sine["depth"], 1e-3 + 5e-4 * np.sin(4 * np.pi * sine["time"])
-    )
     points = history('time = ["0 s", "1 min"]\ndepth = ["-1 mm", "1 mm"]\npoints = 3')
     np.testing.assert_allclose(points["time"], [0, 30, 60])
     np.testing.assert_allclose(points["depth"], [-1e-3, 0, 1e-3], atol=1e-18)

@@ -94,7 +94,7 @@ def test_a_road_model(copy, tmp_path):
     use = """
         import elastomdr as em
         from elastomdr.app import words
-        from elastomdr.cli.keys import as_markdown
+        from elastomdr.cli.keys import as_text
         from elastomdr.cli.main import main
         rubber = em.Prony(equilibrium=1e6, moduli=[1e6], times=[1e-3])
         road = em.SelfAffine(hurst=0.8, q_low=1e3, q_high=1e5, rms_slope=0.5)
@@ -111,7 +111,7 @@ def test_a_road_model(copy, tmp_path):
         assert main(["friction", "scene.toml"]) == 0
         row = open("scene-friction.csv").read().splitlines()[-1]
         assert f"{half.mu[1]:.6g}"[:6] in row, row
-        assert "share of the loss tangent" in as_markdown()
+        assert "share of the loss tangent" in as_text("friction")
         assert words.title(("contact", "share")) == "Share of the loss tangent"
         print("Toy as Toy" in open(em.__file__ + "i").read())
     """
@@ -205,7 +205,7 @@ def test_a_key_of_a_scene(copy, tmp_path):
     use = """
         import numpy as np
         import elastomdr as em
-        from elastomdr.cli.keys import as_markdown
+        from elastomdr.cli.keys import as_text
         from elastomdr.cli.main import main
         rubber = em.Prony(equilibrium=1e6, moduli=[1e6], times=[1e-3])
         em.save_material(rubber, "rubber.toml")
@@ -217,7 +217,7 @@ def test_a_key_of_a_scene(copy, tmp_path):
             )
             assert main(["rolling", f"{name}.toml"]) == 0
         tables = [open(f"{n}-rolling.csv").read().splitlines()[-1] for n in "ab"]
-        print(tables[0] == tables[1], "bonded to each other" in as_markdown())
+        print(tables[0] == tables[1], "bonded to each other" in as_text("rolling"))
     """
     assert "plies" in copy.run(use, tmp_path).stderr
     copy.insert(file, f"    {said}", before='"""', after="springs: independent")

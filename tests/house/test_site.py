@@ -10,6 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from elastomdr.cli.keys import sections
+from elastomdr.cli.kinds import KINDS
+
 ROOT = Path(__file__).parents[2]
 QUIET = {"NO_COLOR": "1", "NO_MKDOCS_2_WARNING": "1"}
 # Elements that reach beyond the window, and lie in nothing that scrolls.
@@ -77,6 +80,15 @@ def test_every_page_is_there(site):
         "changelog",
     ]:
         assert (site / f"{page}.html").stat().st_size > 2000, page
+
+
+def test_every_key_of_a_scene_is_on_its_page(site):
+    text = (site / "scenes.html").read_text(encoding="utf-8")
+    kinds = [kind for verb in KINDS.values() for kind in verb]
+    for kind in kinds:
+        for section in sections(kind):
+            for key in section.keys:
+                assert f"<code>{key.name}</code>" in text, key.name
 
 
 def test_what_the_pages_show(site):

@@ -94,10 +94,7 @@ def test_every_material_passes_the_check(name):
 def test_every_material_survives_a_round_trip(name, tmp_path):
     material, info = em.load_material(name), material_info(name)
     assert material.name == info["name"] == name
-    assert info["branches"] == material.moduli.size
-    assert info["glassy"] == pytest.approx(
-        float(np.sum(material.moduli) + material.equilibrium)
-    )
+    assert len(info["moduli"]) == material.moduli.size
     path = tmp_path / f"{name}.toml"
     em.save_material(material, path, info=info)
     same(em.load_material(path), material)

@@ -1696,15 +1696,6 @@ def test_command(tmp_path, capsys):
     assert "# title: Two treads" in head
     assert "# material: tread-passenger-synthetic, tread-winter-synthetic" in head
     assert mentions(head, 0.005, 0.01)
-    status, said = command(
-        tmp_path, capsys, SCENE, "--table", str(tmp_path / "all.xlsx")
-    )
-    assert status == 0
-    sheet = pandas.read_excel(tmp_path / "all.xlsx", engine="openpyxl")
-    assert sheet.columns.tolist() == table.columns.tolist()
-    np.testing.assert_allclose(
-        sheet["friction coefficient [-]"], table["friction coefficient [-]"], rtol=1e-12
-    )
     (tmp_path / "s.zarr" / "mu" / "0.0.0.0").unlink()
     status, said = command(tmp_path, capsys, SCENE)
     assert status == 0

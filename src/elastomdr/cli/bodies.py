@@ -4,7 +4,6 @@
 
 import abc
 import math
-import re
 from pathlib import Path
 from typing import Any, Literal
 
@@ -13,7 +12,6 @@ import msgspec
 import elastomdr as em
 
 from ..errors import InputError, amount
-from ..files import read_text
 from .schema import (
     Arguments,
     Count,
@@ -38,7 +36,6 @@ from .units import (
     Velocity,
     VolumeCapacity,
     WaveNumber,
-    shown,
 )
 
 
@@ -130,34 +127,22 @@ class ProfileTable(Shape, tag="profile"):
         unit: unit of length of the points, such as "mm"
         r: distances from the axis, from 0 on
         z: heights at these distances
-        file: a table of two columns, r and z, in place of the lists
         apex: at the axis; by default the points decide
         curve: between the points
     """
 
     unit: Text
-    r: list[float] | None = None
-    z: list[float] | None = None
-    file: Text | None = None
+    r: list[float]
+    z: list[float]
     apex: Literal["auto", "smooth", "sharp"] = "auto"
     curve: Literal["auto", "spline", "monotone"] = "auto"
 
     def make(self, folder: Path) -> Any:
         with of_key("unit"):
             metres = Length.convert("1", self.unit)
-        if self.file is not None and self.r is None and self.z is None:
-            r, z = _points(folder, self.file)
-        elif self.file is None and self.r is not None and self.z is not None:
-            r, z = self.r, self.z
-        else:
-            raise InputError(
-                argument="r",
-                got=self.r,
-                accepted="given with z, or a file in place of both, for a profile given as points",
-            )
         return em.Profile(
-            [metres * x for x in r],
-            [metres * x for x in z],
+            [metres * x for x in self.r],
+            [metres * x for x in self.z],
             apex=self.apex,
             curve=self.curve,
         )
@@ -184,42 +169,6 @@ OfRevolution = (
     | ProfileTable
 )
 AnyShape = OfRevolution | CylinderTable
-
-
-def _points(folder: Path, file: str) -> tuple[list[float], list[float]]:
-    """Two columns, r and z; lines that start with # and one line of titles are passed
-    over.
-    """
-    try:
-        lines = read_text(folder / file).split("\n")
-    except OSError as error:
-        raise InputError(
-            argument="file",
-            got=file,
-            accepted="a file that can be read",
-            hint=str(error.strerror or error),
-        ) from error
-    except ValueError as error:
-        raise InputError(argument="file", got=file, accepted="a text file") from error
-    rows: list[tuple[float, float]] = []
-    titles = False
-    for i, line in enumerate(lines, start=1):
-        line = line.strip()
-        if not line or line.startswith("#"):
-            continue
-        try:
-            r, z = (float(cell) for cell in re.split(r"\s*[,;\t]\s*|\s+", line))
-            rows.append((r, z))
-        except ValueError as error:
-            if rows or titles:
-                raise InputError(
-                    argument="file",
-                    got=line[:200],
-                    accepted="a table of two numbers in each line, r and z",
-                    hint=f"that is line {i} of {shown(file)}",
-                ) from error
-            titles = True
-    return [r for r, _ in rows], [z for _, z in rows]
 
 
 _OF_LINE = ("equivalent_length", "seed", "periods", "samples")

@@ -244,14 +244,7 @@ def run_plan(options: argparse.Namespace) -> int:
                 accepted="left out for elastomdr plan",
                 hint=f"it belongs to elastomdr {options.quantity}",
             )
-        folder = None if options.out is None else output_folder(options.out)
         with scene.in_keys():
             plan = f"{em.plan(**scene.arguments(path.parent), quantity=options.quantity)}\n"
     print(plan, end="")
-    if folder is not None:
-        write_all(
-            folder,
-            {f"{path.stem}-plan.txt": lambda to: to.write_text(plan, encoding="utf-8")},
-        )
-        print(f"wrote {folder / path.stem}-plan.txt")
     return DONE

@@ -22,7 +22,6 @@ from .schema import (
     Sweep,
     Table,
     given,
-    of_key,
     only_one,
     whole,
 )
@@ -31,7 +30,6 @@ from .units import (
     Depth,
     Duration,
     Force,
-    Frequency,
     Instant,
     Length,
     LinePush,
@@ -160,37 +158,6 @@ class Triangle(Program, tag="triangle"):
         return time, np.multiply.outer(size, np.interp(time, kinks, heights))
 
 
-class Sine(Program, tag="sine"):
-    """A step to the value, about which depth or load then swings.
-
-    Keys:
-        frequency: cycles per time
-        cycles: how many there are
-        amplitude: of the swing, a length or a force
-    """
-
-    frequency: Frequency
-    cycles: Cycles
-    amplitude: str
-
-    def course(self, size: "np.ndarray") -> "tuple[np.ndarray, np.ndarray]":
-        import numpy as np
-
-        with of_key("amplitude"):
-            amplitude = (Force if self.depth is None else Length).read(self.amplitude)
-        if self.depth is None and (size < amplitude).any():
-            raise InputError(
-                argument="amplitude",
-                got=self.amplitude,
-                accepted="no larger than load",
-                hint="a load that pulls needs adhesion",
-            )
-        time = np.linspace(0, self.cycles / self.frequency, self.points)
-        return time, np.add.outer(
-            size, amplitude * np.sin(2 * np.pi * self.frequency * time)
-        )
-
-
 class PointsTable(Table):
     """A history by its points, straight between them.
 
@@ -277,7 +244,7 @@ class IndentationScene(_Indentation):
         history: load or depth against time
     """
 
-    history: Hold | Ramp | Triangle | Sine
+    history: Hold | Ramp | Triangle
 
 
 class IndentationByPoints(_Indentation):

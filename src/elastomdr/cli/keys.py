@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from .kinds import KINDS
 from .schema import Key, Table, about, keys_of
-from .sweep import SweepTable
 
 
 class Section(NamedTuple):
@@ -21,11 +20,11 @@ class Section(NamedTuple):
 
 def sections(kind: type[Table]) -> Iterator[Section]:
     """The sections of a kind of scene: its own keys, then each table."""
-    yield _section("", kind)
+    yield section_of("", kind)
     for name, key in keys_of(kind).items():
         written = f"[[{name}]]" if key.listed else f"[{name}]"
         for table in key.tables:
-            yield _section(written, table)
+            yield section_of(written, table)
 
 
 def as_text(verb: str) -> str:
@@ -39,7 +38,7 @@ def as_text(verb: str) -> str:
             seen.append(section)
             lines += [f"  {section.title}  {section.about}"] if section.title else []
             for key in section.keys:
-                words = "; ".join(filter(None, _cells(key)[:2]))
+                words = "; ".join(filter(None, cells(key)[:2]))
                 lines += textwrap.wrap(
                     f"{key.meaning} ({words})",
                     116,
@@ -50,47 +49,13 @@ def as_text(verb: str) -> str:
     return "\n".join(lines)
 
 
-def as_markdown() -> str:
-    """The keys of all scenes, a table for each section; one that several kinds share
-    stands at its first place.
-    """
-    lines, seen = [], []
-    for verb, kinds in KINDS.items():
-        lines += [f"## elastomdr {verb}", ""]
-        for kind in kinds:
-            lines += [f"### {about(kind).rstrip('.')}", ""]
-            for section in sections(kind):
-                if section not in seen:
-                    seen.append(section)
-                    lines += _rows(section)
-    lines += [
-        "## elastomdr sweep",
-        "",
-        "Beside the keys of friction, rolling or impact:",
-        "",
-    ]
-    return "\n".join([*lines, *_rows(_section("[sweep]", SweepTable))])
-
-
-def _rows(section: Section) -> Iterator[str]:
-    """A section as a table of Markdown."""
-    if section.title:
-        yield from (f"`{section.title}` {section.about}", "")
-    if section.keys:
-        yield from ("| key | accepted | default | meaning |", "|---|---|---|---|")
-    for key in section.keys:
-        cells = " | ".join(cell.replace("|", "\\|") for cell in _cells(key))
-        yield f"| `{key.name}` | {cells} |"
-    yield ""
-
-
-def _section(written: str, table: type[Table]) -> Section:
+def section_of(written: str, table: type[Table]) -> Section:
     config = table.__struct_config__
     tag = f' {config.tag_field} = "{config.tag}"' if config.tag_field else ""
     return Section(f"{written}{tag}", about(table), tuple(keys_of(table).values()))
 
 
-def _cells(key: Key) -> tuple[str, str, str]:
+def cells(key: Key) -> tuple[str, str, str]:
     """What a key accepts, its default and its meaning."""
     words = "tables below" if key.listed else "table below"
     default = "" if key.default is None or key.tables else str(key.default)

@@ -198,9 +198,6 @@ def _add_init(command: _Parser) -> None:
 def _add_plan(command: _Parser) -> None:
     _add_scene(command, "the scene to plan")
     command.add_argument(
-        "--out", metavar="DIR", help="folder to write NAME-plan.txt into as well"
-    )
-    command.add_argument(
         "--quantity",
         choices=("friction", "rolling"),
         default="friction",
@@ -224,7 +221,7 @@ def _add_sweep(command: _Parser) -> None:
     command.add_argument(
         "--table",
         metavar="FILE",
-        help="a .csv or .xlsx file for all points, written as well",
+        help="a .csv file for all points, written as well",
     )
 
 

@@ -18,7 +18,6 @@ from .compute import warned_of_at_the_end
 from .kinds import decoded, read_content
 from .schema import Content, Table, decode, of_file
 
-_TABLE_ROWS = 1_000_000
 # slowest first
 _ARRAYS = (
     "mass",
@@ -99,11 +98,11 @@ class Varied:
 def run(options: argparse.Namespace) -> int:
     """Computes what is missing in the store; returns the exit status."""
     path = Path(options.scene)
-    if options.table and Path(options.table).suffix not in (".csv", ".xlsx"):
+    if options.table and Path(options.table).suffix != ".csv":
         raise InputError(
             argument="--table",
             got=options.table,
-            accepted="the name of a file that ends in .csv or .xlsx",
+            accepted="the name of a file that ends in .csv",
         )
     with warned_of_at_the_end(), of_file(path):
         content = read_content(path)
@@ -259,19 +258,11 @@ def _write_table(dataset: Any, path: Path, header: list[str]) -> None:
     """All points as rows, titled as in the tables of curves, so that `em.load_friction`
     reads a map of friction.
 
-    The header stands above, or in a sheet of its own. Raises `InputError` for a sheet
-    too long.
+    The header stands above.
     """
     from ..files import csv_text, write_files
 
     points = dataset.drop_vars("state")
-    if path.suffix == ".xlsx" and points.converged.size > _TABLE_ROWS:
-        raise InputError(
-            argument="--table",
-            got=str(path),
-            accepted=f"a .csv for more than the {_TABLE_ROWS} rows of a sheet of Excel",
-            hint=f"there are {points.converged.size}",
-        )
     frame = points.to_dataframe().reset_index()
     about = {name: points[name].attrs for name in frame.columns}
     titles = [
@@ -280,31 +271,8 @@ def _write_table(dataset: Any, path: Path, header: list[str]) -> None:
         else a.get("long_name", name)
         for name, a in about.items()
     ]
-    if path.suffix == ".csv":
-        write_files(
-            {
-                path: csv_text(
-                    header,
-                    dict(
-                        zip(titles, (frame[c].to_numpy() for c in frame), strict=True)
-                    ),
-                ).encode()
-            }
-        )
-        return
-    import io
-
-    import openpyxl
-
-    from ..results.base import fill_sheet
-
-    book, buffer = openpyxl.Workbook(), io.BytesIO()
-    book.remove(book.worksheets[0])
-    rows = frame.itertuples(index=False)
-    fill_sheet(book.create_sheet("result"), [titles, *map(list, rows)])
-    fill_sheet(book.create_sheet("inputs"), [["inputs"], *([line] for line in header)])
-    book.save(buffer)
-    write_files({path: buffer.getvalue()})
+    columns = dict(zip(titles, (frame[c].to_numpy() for c in frame), strict=True))
+    write_files({path: csv_text(header, columns).encode()})
 
 
 def _inputs(call: Varied, content: Content, path: Path) -> Iterator[tuple[str, str]]:

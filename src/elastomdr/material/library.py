@@ -104,34 +104,14 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedMod
 
 
 def material_info(name_or_path: str | os.PathLike[str]) -> Document:
-    """What the file says about a material, without its lists: description, sources and
-    grades, ranges, the path.
+    """What the file says about a material, with its path: numbers, description, sources
+    and grades, ranges.
 
-    Adds `branches`, `glassy` (equilibrium plus all moduli [Pa]), `shortest_time` and
-    `longest_time` [s]; of a table of moduli `points`, `lowest_omega` and
-    `highest_omega` [rad/s] instead. Loads no JAX. Raises `InputError` like
-    `load_material`, but does not judge the numbers.
+    Loads no JAX. Raises `InputError` like `load_material`, but does not judge the
+    numbers.
     """
     path = locate(name_or_path)
-    document = read_document(path)
-    document.pop("misfit", None)
-    common = {"name": path.stem, "path": str(path)}
-    if is_tabulated(document):
-        omega, _, _ = (document.pop(key) for key in ("omega", "storage", "loss"))
-        ends = {
-            "lowest_omega": min(omega, default=None),
-            "highest_omega": max(omega, default=None),
-        }
-        return {**common, **document, "points": len(omega), **ends}
-    moduli, times = document.pop("moduli"), document.pop("times")
-    return {
-        **common,
-        **document,
-        "branches": len(times),
-        "glassy": document["equilibrium"] + sum(moduli),
-        "shortest_time": min(times, default=None),
-        "longest_time": max(times, default=None),
-    }
+    return {"name": path.stem, "path": str(path), **read_document(path)}
 
 
 def save_material(
@@ -390,16 +370,10 @@ def _in_table(where: str) -> Iterator[None]:
 
 
 def _range(document: Document) -> "Range | None":
-    """Where the numbers hold, as the file says; what has no meaning there is
-    left out.
-    """
+    """Where the numbers hold, as the file says."""
     from .validity import Range, as_range
 
-    pairs = {
-        key: pair
-        for key, pair in document.get("range", {}).items()
-        if not pair or pair[0] > 0
-    }
+    pairs = document.get("range")
     illustrative = (
         document.get("source", {}).get("range", {}).get("grade") == "illustrative"
     )
