@@ -915,7 +915,7 @@ def test_swapped_moduli_are_refused_where_a_passive_material_has_them_exchanged(
     rows = measure(KNOWN)[:, [0, 1, 3, 2]]
     dma = em.read_dma(plain_csv(tmp_path, rows))
     named, advice = (
-        "storage from 3 'G_storage_pa', loss from 4 ",
+        "storage from column 3, loss from column 4",
         "--column storage=4 --column loss=3",
     )
     with pytest.raises(em.InputError, match=f"look exchanged.*{named}.*{advice}"):

@@ -325,9 +325,9 @@ class Calibration(AbstractFindings):
             if after > _NOT_LEARNED * self.prior[name]
         ]
 
-    def in_units(self, name: str) -> str:
-        """A parameter in the unit of what it changes, with its 95 % interval; where the
-        data do not decide it only within which it was assumed.
+    def _in_units(self, name: str) -> tuple[list[float], str]:
+        """A parameter and the ends of its 95 % interval, and the unit of what it
+        changes.
         """
         values = _parameters_of(self.adhesion)
         if isinstance(self.shape, AbstractSpectrum):
@@ -337,7 +337,13 @@ class Calibration(AbstractFindings):
         if name in values:
             unit, times = _UNITS[name]
             unit, ends = f" {unit}".rstrip(), times * values[name] * 10.0 ** (ends - at)
-        value, low, high = ends.tolist()
+        return ends.tolist(), unit
+
+    def in_units(self, name: str) -> str:
+        """A parameter in the unit of what it changes, with its 95 % interval; where the
+        data do not decide it only within which it was assumed.
+        """
+        (value, low, high), unit = self._in_units(name)
         if name in self.undecided:
             return (
                 f"not decided by the data, assumed within {low:.2g} to {high:.2g}{unit}"
@@ -424,9 +430,10 @@ class Calibration(AbstractFindings):
             ("Velocity [m/s]", "Coefficient [-]"),
             "Measured, and as calibrated",
             ", ".join(
-                f"{name} {self.in_units(name).partition(' (')[0]}"
+                f"{name} {value:.3g}{unit}"
                 for name in self.parameters
                 if name not in self.undecided
+                for (value, *_), unit in [self._in_units(name)]
             ),
             ax,
             style,

@@ -358,9 +358,10 @@ def refuse_exchanged(dma: Dma, law: AbstractShift | None = None) -> None:
         )
     if exchanged:
         ways = {"storage": dma.places.get("loss"), "loss": dma.places.get("storage")}
-        read = "; ".join(column.split(";")[0] for column in dma.columns)
-        hint = f"storage and loss modulus look exchanged{f' ({read})' * bool(read)}"
-        if dma.places:
+        hint = "storage and loss modulus look exchanged"
+        if ways.keys() <= dma.places.keys():
+            read = (f"{role} from column {dma.places[role]}" for role in ways)
+            hint += f" ({', '.join(read)})"
             options = [f"{role}={place}" for role, place in ways.items()]
             hint += "; exchange them, " + advise(f"columns={ways}", {"column": options})
         raise InputError(

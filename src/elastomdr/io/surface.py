@@ -41,7 +41,6 @@ _OVERLAP = 1.5  # times the whole of x, which traces one below the other are tog
 # they may be apart, up to which they are the same place measured again
 _MOST_AGAIN, _MOST_APART = 0.01, 0.1
 # end what is said of dropouts
-_LEFT_OUT, _REMOVE = "left out, and bridged", "where it stands for no value, remove it"
 _CODES = (9.999, 9.9999, 9.99999, 3.2768, 3.2767)  # digits of -9999, 99999, -32768, ...
 # of the range of all other heights, that such a code is away from them, be it there but
 # once
@@ -163,10 +162,7 @@ def read_surface(
         if isinstance(source, (str, os.PathLike))
     ]
     for warning in dict.fromkeys(
-        warning
-        for scan in scans
-        for warning in scan.report
-        if warning.endswith((_LEFT_OUT, _REMOVE))
+        warning for scan in scans for warning in scan.dropouts
     ):
         warn(f"{', '.join(paths) or 'heights'}: {warning}.", FitWarning)
     try:
@@ -202,7 +198,7 @@ def _scans(source: Any, pixel_size: Any, layout: _Layout) -> list[Scan]:
                 return [_from_instrument(path, pixel_size, layout)]
             return _from_text(path, pixel_size, layout)
         except InputError as error:
-            if error.argument == "path":
+            if error.argument == "path" and error.got is None:
                 error.got = source
             else:
                 error.inside(repr(path.name))
@@ -267,6 +263,7 @@ def _even(
         height,
         tuple(sizes * height.ndim if len(sizes) == 1 else sizes),
         (*report, *dropouts),
+        dropouts=dropouts,
     )
 
 
@@ -421,8 +418,8 @@ def _means(
 def _profile(x: np.ndarray, height: np.ndarray) -> Scan:
     """An even profile from points in any order."""
     order = np.argsort(x, kind="stable")
-    measured, report = without_dropouts(height[order])
-    height[order] = measured
+    measured, dropouts = without_dropouts(height[order])
+    height[order], report = measured, list(dropouts)
     known = np.isfinite(x) & np.isfinite(height)
     if not known.all():
         report.append(
@@ -451,7 +448,7 @@ def _profile(x: np.ndarray, height: np.ndarray) -> Scan:
     if n != x.size or np.abs(x - even).max() > _EVEN * (even[1] - even[0]):
         report.append(f"x was not evenly spaced: {n} even points by straight lines")
         height = np.interp(even, x, height)
-    return Scan(height, (float(even[1] - even[0]),), tuple(report))
+    return Scan(height, (float(even[1] - even[0]),), tuple(report), dropouts=dropouts)
 
 
 def _grid(data: np.ndarray) -> Scan:
@@ -479,7 +476,7 @@ def _grid(data: np.ndarray) -> Scan:
     height = _means(place[known], data[known, 2], x.size * y.size, "a place", report)
     steps = tuple(float((axis[-1] - axis[0]) / (axis.size - 1)) for axis in (x, y))
     grid, dropouts = without_dropouts(height.reshape(x.size, y.size))
-    return Scan(grid, steps, (*report, *dropouts))
+    return Scan(grid, steps, (*report, *dropouts), dropouts=dropouts)
 
 
 def _metres(head: Head, unit: str | None, name: str) -> float:
@@ -536,7 +533,8 @@ def without_dropouts(height: np.ndarray) -> tuple[np.ndarray, list[str]]:
                 "measure again, or cut that part away",
             )
         words.append(
-            f"{coded} of {height.size} points are dropouts, {values}: {_LEFT_OUT}"
+            f"{coded} of {height.size} points are dropouts, {values}: left out, and "
+            "bridged"
         )
     if lost > coded:
         if lost - coded > _MOST_SPIKES * height.size:
@@ -551,7 +549,7 @@ def without_dropouts(height: np.ndarray) -> tuple[np.ndarray, list[str]]:
             )
         words.append(
             f"{lost - coded} of {height.size} points are spikes, by up to "
-            f"{largest:.3g} m beyond what their neighbours allow: {_LEFT_OUT}"
+            f"{largest:.3g} m beyond what their neighbours allow: left out, and bridged"
         )
     return left, words
 
@@ -572,7 +570,8 @@ def _floor(height: np.ndarray) -> list[str]:
     if not beside.size or not np.median(beside) - levels[0] > usual:
         return []
     return [
-        f"the lowest height, {levels[0]:.6g} m, is there {often[0]} times: {_REMOVE}"
+        f"the lowest height, {levels[0]:.6g} m, is there {often[0]} times: where it "
+        "stands for no value, remove it"
     ]
 
 

@@ -77,7 +77,6 @@ _ERRORS = 1.5
 _LEAST = {1: 64, 2: 16}  # points along each direction
 
 _SAME = 1e-9  # relative distance of two wave numbers that count as one
-_CHANGED = "changed after it was read"  # how the report of such a surface begins
 # rms slopes beyond which units are doubted: of polished surfaces and of the roughest
 # roads; and lengths of a profile and of a map likewise [m]
 _LONGEST = {1: 1e4, 2: 10.0}
@@ -92,6 +91,7 @@ class Scan(NamedTuple):
     report: tuple[str, ...] = ()  # what was mended before
     # where holes are too large to hold short waves when they are bridged
     holes: np.ndarray | None = None
+    dropouts: Sequence[str] = ()  # what of the report is worth a warning
 
 
 class _Waves(NamedTuple):
@@ -897,6 +897,7 @@ class MeasuredSurface(AbstractSpectrum):
     skewness_error: float = static(default=0.0)  # standard error, of Gaussian heights
     lay: Lay | None = None  # where C depends on direction; `c` is its mean then
     map: HeightMap | None = static(default=None)  # the heights of a single map
+    changed: bool = static(default=False)  # after it was read, which begins its report
     label: ClassVar[str] = "measured surface"
 
     def ended(self, q_high: Number) -> MeasuredSurface:
@@ -963,13 +964,13 @@ class MeasuredSurface(AbstractSpectrum):
         """The same surface, whose report begins with what it is now."""
         if is_traced(self):
             return self
-        read = [said for said in self.report if not said.startswith(_CHANGED)]
         now = (
-            f"{_CHANGED}, {self.words()}; rms height with longer waves "
+            f"changed after it was read, {self.words()}; rms height with longer waves "
             f"{self.measured_height:.4g} m; skewness {self.skewness:.2f} +- "
             f"{self.skewness_error:.2f}. What follows is of the surface as read"
         )
-        return dataclasses.replace(self, report=(now, *read))
+        read = self.report[self.changed :]
+        return dataclasses.replace(self, report=(now, *read), changed=True)
 
     def draws(
         self, n: int, *, level: Number = 0.0, cutoff: Number = 0.0, seed: int = 0
