@@ -44,7 +44,7 @@ def main(out: Path) -> None:
         for rubber in (sample, fit.material)
     )
 
-    figure, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.8))
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.6, 4.8))
     fit.prony.plot(left)
     right.semilogx(velocity, true.mu, color="#222222", label="sample")
     right.semilogx(

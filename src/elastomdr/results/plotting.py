@@ -821,13 +821,8 @@ def _write_legend(canvas: Canvas, handles: Mapping[str, Artist]) -> None:
     figure = figure_of(ax)
     labels = [textwrap.fill(label, 48) for label in handles]
     size = style.panels if canvas.several else style.size
-    width = size[0]
-    if not canvas.own_figure:
-        shown = ax.get_position(original=True)
-        width = figure.get_size_inches()[0] * shown.width
-    longest = max(len(line) for label in labels for line in label.splitlines())
-    columns = int(width * 130 / style.text) // (longest + 6)
-    columns = max(1, min(columns, len(labels)))
+    width = size[0] if canvas.own_figure else _room(ax)
+    columns = _columns(labels, width * 130 / style.text)
     if canvas.own_figure:
         rows = -(-len(labels) // columns) + sum(label.count("\n") for label in labels)
         figure.set_size_inches(width, size[1] + 0.018 * style.text * rows)
@@ -847,6 +842,27 @@ def _write_legend(canvas: Canvas, handles: Mapping[str, Artist]) -> None:
     ax.legend(handles.values(), labels, **look, bbox_to_anchor=(0.0, 0.0))
 
 
+def _columns(labels: Sequence[str], room: float) -> int:
+    """The most columns of a legend that fit into so many letters; one after another is
+    filled.
+    """
+    long = [max(map(len, label.splitlines())) + 8 for label in labels]
+    for count in range(len(labels), 1, -1):
+        if sum(max(part) for part in np.array_split(long, count)) <= room:
+            return count
+    return 1
+
+
+def _room(ax: Axes) -> float:
+    """The width that axes of others have in their figure, with their labels where a
+    layout makes place for these [inches].
+    """
+    figure, shown = figure_of(ax), ax.get_position(original=True).width
+    if figure.get_layout_engine():
+        shown /= figure.subplotpars.right - figure.subplotpars.left
+    return figure.get_size_inches()[0] * shown
+
+
 def _write_title(canvas: Canvas, title: str, asked: bool) -> list[Artist]:
     """Above the axes the title, and below it in small print one sentence, red where
     points failed; in a paper only a title that was asked for. Returns the sentence.
@@ -861,8 +877,10 @@ def _write_title(canvas: Canvas, title: str, asked: bool) -> list[Artist]:
     inches = figure.get_size_inches()[0]
     if canvas.several:
         figure.suptitle(title, x=0.01, ha="left", **bold)
-    if canvas.several or not canvas.own_figure:
+    if canvas.several:
         inches *= ax.get_position(original=True).width
+    elif not canvas.own_figure:
+        inches = _room(ax)
     lines = textwrap.wrap(sentence(canvas.entries), max(30, int(118 * inches / text)))
     if not canvas.several:
         wrapped = "\n".join(textwrap.wrap(title, max(24, int(95 * inches / text))))
