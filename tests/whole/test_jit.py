@@ -121,7 +121,7 @@ VERBS = {
 @pytest.mark.parametrize("wide", [False, True], ids=["32-bit types", "64-bit types"])
 @pytest.mark.parametrize("verb", VERBS)
 def test_every_verb_under_every_transformation(verb, wide):
-    """The table of `docs/transient.md`: jit, vmap and grad against the plain call and
+    """The list of `docs/transient.md`: jit, vmap and grad against the plain call and
     its differences.
     """
 
