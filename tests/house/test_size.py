@@ -23,7 +23,7 @@ ROOMS = {
     "seal": 41,
     "results": 40,
     "io": 37,
-    "surface": 31,
+    "surface": 30,
     "app": 30,
     "cli": 27,
     "material": 18,

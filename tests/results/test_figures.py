@@ -321,24 +321,6 @@ def test_measured_points_take_the_colour_of_their_temperature():
             friction_curve().plot(measured=bad)
 
 
-def test_figure_of_a_surface():
-    surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=4e4, q_rolloff=3e3)
-    line, spectrum = surface.plot(seed=3)
-    height = line.get_lines()[0].get_ydata()
-    np.testing.assert_allclose(height.std(), 1e6 * surface.rms_height, rtol=1e-9)
-    np.testing.assert_array_equal(spectrum.get_lines()[0].get_xdata(), surface.q)
-    assert (line.get_xlabel(), spectrum.get_xlabel()) == (
-        "Position on the line [mm]",
-        "Wave number q [rad/m]",
-    )
-    x = np.linspace(0, 1e-3, 64, endpoint=False)
-    _, waves = em.RoughLine(x, 1e-6 * np.cos(2 * np.pi * 3 * x / 1e-3)).plot()
-    q, power = waves.get_lines()[0].get_data()
-    assert q[np.nanargmax(power)] == pytest.approx(6000 * np.pi)
-    # both sides: <h^2>
-    np.testing.assert_allclose(2 * np.nansum(power) * 2000 * np.pi, 0.5e-12, rtol=1e-9)
-
-
 def test_quantities_of_one_unit_share_axes_and_others_are_refused():
     friction, rolling = friction_curve(), rolling_curve()
     ax = friction.plot(style="paper")

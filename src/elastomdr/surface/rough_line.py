@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -23,7 +22,6 @@ from ..trees import Tree, fill, replaced
 
 if TYPE_CHECKING:
     from jaxtyping import Float
-    from matplotlib.axes import Axes
 
     from .._types import ArrayLike
 
@@ -36,9 +34,7 @@ class RoughLine(Tree):
 
     Its depth is how far its highest point stands below the undeformed surface, its load
     the mean load per length [N/m]. `x` [m] ascends in even steps, and the last point is
-    not the first one again. With `resample` an uneven x is accepted: the heights are
-    then taken by linear interpolation at as many even places, the period being n times
-    the mean step. Between the points the line is the periodic cubic spline through
+    not the first one again. Between the points the line is the periodic cubic spline through
     them. Differentiable with respect to the heights. Raises `InputError`.
     """
 
@@ -47,7 +43,7 @@ class RoughLine(Tree):
     label: ClassVar[str] = "rough line"
     load_unit: ClassVar[str] = "N/m"  # per length of line, as of any rough surface
 
-    def __init__(self, x: ArrayLike, height: ArrayLike, *, resample: bool = False):
+    def __init__(self, x: ArrayLike, height: ArrayLike):
         x, height = as_float64("x", x), as_float64("height", height)
         alike(4, {"x": x, "height": height})
         untraced(
@@ -65,16 +61,13 @@ class RoughLine(Tree):
         spacing = (x[-1] - x[0]) / (n - 1)
         even = x[0] + spacing * np.arange(n)
         if np.abs(x - even).max() > _EVEN * spacing:
-            if not resample:
-                worst = float(np.abs(np.diff(x) / spacing - 1).max())
-                raise InputError(
-                    argument="x",
-                    got=worst,
-                    accepted="evenly spaced, each step within 1e-6 of their mean",
-                    hint="resample=True takes the heights at even places, by linear "
-                    "interpolation",
-                )
-            height = numpy_unless_traced(lambda y: xp.interp(even, x, y))(height)
+            worst = float(np.abs(np.diff(x) / spacing - 1).max())
+            raise InputError(
+                argument="x",
+                got=worst,
+                accepted="evenly spaced, each step within 1e-6 of their mean",
+                hint="np.interp takes the heights at even places",
+            )
         fill(self, height=height, spacing=np.asarray(spacing))
 
     @property
@@ -124,26 +117,6 @@ class RoughLine(Tree):
             2 * self.spacing
         )
         return xp.sqrt(xp.mean(slope**2))
-
-    def plot(self, axes: Sequence[Axes] | None = None) -> tuple[Axes, Axes]:
-        """The heights, and their spectrum, side by side; returns the two matplotlib
-        Axes.
-        """
-        from ..results.plot_contacts import draw_surface, roughness_in_words
-
-        n, period = self.count, float(self.period)
-        amplitude = np.abs(np.fft.rfft(np.asarray(self.height))[1 : n // 2] / n)
-        power = amplitude**2 * period / (2 * np.pi)
-        q = 2 * np.pi / period * np.arange(1, n // 2)
-        # without rounding
-        known = power > 1e-16 * power.max(initial=0.0)
-        return draw_surface(
-            (np.asarray(self.x), np.asarray(self.height)),
-            (q[known], power[known]),
-            ("Line", roughness_in_words(float(self.rms_height), float(self.rms_slope))),
-            "Spectrum of the line [m³]",
-            axes,
-        )
 
     @numpy_unless_traced
     def finer(self, factor: int) -> "RoughLine":

@@ -83,6 +83,13 @@ _LONGEST = {1: 1e4, 2: 10.0}
 _SLOPES = (1e-3, 3.0)
 
 
+_NO_SHORTEST = (
+    "no `shortest` is given: waves are kept as the data have them. Friction grows with "
+    "each shorter wave: give the shortest that the rubber follows, usually some "
+    "micrometres"
+)
+
+
 class Scan(NamedTuple):
     """Heights on an even grid."""
 
@@ -157,8 +164,6 @@ class _Fit(NamedTuple):
     q: np.ndarray
     c: np.ndarray
     error: np.ndarray  # standard error of ln C
-    # wave numbers, and the mean power that C lets expect there
-    expected: tuple[np.ndarray, np.ndarray]
 
 
 def _within(q: np.ndarray, low: float, high: float) -> np.ndarray:
@@ -201,15 +206,15 @@ def surface(
         part.name + heights.words
         for part, heights in zip(parts, asymmetry, strict=True)
     ]
-    report += [
-        part.name + _slopes(part, one) for part, one in zip(parts, alone, strict=True)
-    ]
+    report += [part.name + _slope(part) for part in parts]
+    slope = _moment(fit, 3) ** 0.5
+    report.append(f"rms slope {slope:.4g} in the spectrum")
     if several:
         report.append(joined.words)
     _warn_of_skewness(joined)
     lay, sentences = _directions(parts, fit)
     report += sentences
-    report += [_asks_for_shortest(fit)] if shortest is None else []
+    report += [_NO_SHORTEST] if shortest is None else []
     return MeasuredSurface(
         q=fit.q,
         c=fit.c,
@@ -487,7 +492,7 @@ def _fitted(parts: Sequence[_Part]) -> _Fit:
         np.polyfit(np.log(q), np.log(np.maximum(shape, 1e-300)), 1), nodes
     )
     bend = np.diff(np.eye(nodes.size), 2, axis=0) / _BEND
-    curvature, mean = bend.T @ bend, q
+    curvature = bend.T @ bend
     for _ in range(200):
         curvature, ascent = bend.T @ bend, -bend.T @ bend @ log_c
         for _, power, number, weight, hats in terms:
@@ -502,7 +507,7 @@ def _fitted(parts: Sequence[_Part]) -> _Fit:
             break
     kept = slice(before, before + count + 1)
     error = np.sqrt(np.diag(np.linalg.inv(curvature)))
-    return _Fit(np.exp(nodes[kept]), np.exp(log_c[kept]), error[kept], (q, mean))
+    return _Fit(np.exp(nodes[kept]), np.exp(log_c[kept]), error[kept])
 
 
 def _expected(waves: _Waves, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -585,22 +590,6 @@ def _overlap(alone: Sequence[_Fit]) -> str:
     return (
         f"{len(alone)} scans joined; where they overlap their C differ by a factor of "
         f"{np.exp(worst):.3g} or less (at a wavelength of {2 * np.pi / place:.3g} m)"
-    )
-
-
-def _asks_for_shortest(fit: _Fit) -> str:
-    """What the shortest wave decides, where none was given."""
-    spectrum = Spectrum(fit.q, fit.c, convention="2d")
-    slopes = []
-    for factor in (1, 2, 4):
-        end = fit.q[-1] / factor
-        if end > 1.5 * fit.q[0]:
-            slope = (2 * np.pi * spectrum.moment(3, None, end)) ** 0.5
-            slopes.append(f"{slope:.2g} down to {2 * np.pi / end:.3g} m")
-    return (
-        "no `shortest` is given: waves are kept as the data have them, with an rms slope "
-        f"of {', '.join(slopes)}. Friction grows with the slope: give the shortest wave "
-        "that the rubber follows, usually some micrometres"
     )
 
 
@@ -748,50 +737,13 @@ def _warn_of_skewness(heights: _Asymmetry) -> None:
     )
 
 
-def _slopes(part: _Part, fit: _Fit) -> str:
-    """The rms slope by differences of neighbours, and what the spectrum lets expect of
-    it.
-
-    A difference over a step d sees a wave times sin(k d/2)/(k d/2). Where C says
-    nothing, the power of the data stands.
-    """
-    scan, waves = part.scan, part.waves
-    measured = (
-        sum(
-            np.mean(np.diff(scan.height, axis=i) ** 2) / d**2
-            for i, d in enumerate(scan.steps)
-        )
-        ** 0.5
+def _slope(part: _Part) -> str:
+    """The rms slope by differences of neighbours."""
+    squares = (
+        np.mean(np.diff(part.scan.height, axis=i) ** 2) / d**2
+        for i, d in enumerate(part.scan.steps)
     )
-    slope_square = sum(
-        (2 * np.sin(k * d / 2) / d) ** 2
-        for k, d in zip(waves.k, scan.steps, strict=True)
-    )
-    slope_square = slope_square * np.prod(waves.lowest)
-    q, mean = fit.expected
-    inside = _within(waves.q, q[0], q[-1])
-    power = np.where(
-        inside, np.exp(np.interp(np.log(waves.q), np.log(q), np.log(mean))), waves.power
-    )
-    square = float((waves.copies * slope_square * power).sum())
-    scatter = (
-        float(
-            (2 * waves.copies * (slope_square * power) ** 2).sum()
-            / _INDEPENDENT**waves.dimensions
-        )
-        ** 0.5
-        / square
-    )
-    sentence = (
-        f"rms slope {measured:.4g} by differences of neighbours, {square**0.5:.4g} "
-        "expected from the spectrum"
-    )
-    if abs(2 * np.log(measured) - np.log(square)) > 3 * scatter + 0.2:
-        sentence += (
-            ": they disagree by more than chance allows, the data may hold steps, "
-            "spikes or regions of their own"
-        )
-    return sentence
+    return f"rms slope {sum(squares) ** 0.5:.4g} by differences of neighbours"
 
 
 def _directions(parts: Sequence[_Part], fit: _Fit) -> tuple[Lay | None, list[str]]:
