@@ -295,7 +295,7 @@ _OTHERS: tuple[tuple[str, str, str, Callable[[_Parser], None]], ...] = (
     (
         "plan",
         "compute:run_plan",
-        "what friction or rolling would compute, skip and merge, and why",
+        "what friction or rolling would compute, and how",
         _add_plan,
     ),
     (

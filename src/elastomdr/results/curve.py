@@ -488,7 +488,8 @@ class FrictionCurve(AbstractCurve):
                 *(Change(stress=1 + off) for off in (STRESS, -STRESS)),
             )
         elif self.pressure is not None:
-            unknown, test = np.full(mu.shape, np.nan), "adhesion= where the road is dry"
+            unknown = np.full(mu.shape, np.nan)
+            test = "a shear law (adhesion=) where the road is dry"
             none = "no shear of the real contact is in mu"
             yield Part("shear law", unknown, none, test, unknown)
         if self.temperature is not None:
