@@ -187,3 +187,19 @@ def test_figure_has_the_band_of_the_error(show):
     assert heights.min() == pytest.approx((values * found.mu_low / found.mu).min())
     said = [label.get_text() for label in ax.get_legend().get_texts()]
     assert "numerical and model error" in said
+
+
+def test_the_bound_of_softened_rubber_is_the_same_under_jit():
+    soft = em.Softening([1e-3, 1e-2, 1.0], [1.0, 0.8, 0.5], [1.0, 1.1, 0.9])
+    rubber = em.Prony(1e6, [2e6], [1e-3], softening=soft)
+
+    def bound(pressure):
+        return em.break_out(
+            rubber, ROUGH, pressure=pressure, boundary_shear=STRESS
+        ).model_error
+
+    pressure = np.array([1e5, 2e5])
+    with jax.enable_x64(True):
+        traced = jax.jit(bound)(pressure)
+    assert np.isfinite(traced).all()
+    np.testing.assert_allclose(traced, bound(pressure), rtol=1e-9)

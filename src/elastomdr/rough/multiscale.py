@@ -457,7 +457,7 @@ WORK = (
 def friction(model: WaveByWave, problem: RoadProblem) -> SurfaceFriction:
     """`solve` with the error of a table of moduli, and which points met `rtol`."""
     if is_traced(problem):
-        shared, points = _taken_apart(problem)
+        shared, points = taken_apart(problem)
         counts = cell_counts(known(stop_gradient(problem.surface)), _TRACED)
         solved = _with_slopes(model, problem.rtol, counts)(shared, points)
         return solved._replace(good=solved.good > 0)
@@ -471,8 +471,8 @@ def friction(model: WaveByWave, problem: RoadProblem) -> SurfaceFriction:
     )
 
 
-class _RoadShared(NamedTuple):
-    """What all points of a call on a road share, for `_with_slopes`."""
+class RoadShared(NamedTuple):
+    """What all points of a call on a road share."""
 
     foundation: SteadyBody
     surface: AbstractSpectrum
@@ -480,7 +480,7 @@ class _RoadShared(NamedTuple):
     ends: Array | None  # of `Warmed`
 
 
-class _RoadPoints(NamedTuple):
+class RoadPoints(NamedTuple):
     """What each point has of its own; the last axis is that of the points."""
 
     velocity: Array
@@ -490,7 +490,7 @@ class _RoadPoints(NamedTuple):
     rise: Array | None
 
 
-def _taken_apart(problem: RoadProblem) -> tuple[_RoadShared, _RoadPoints]:
+def taken_apart(problem: RoadProblem) -> tuple[RoadShared, RoadPoints]:
     softened, warmed, directed = problem.local
     share = None if softened is None else softened.share
     ends = temperature = rise = None
@@ -498,14 +498,14 @@ def _taken_apart(problem: RoadProblem) -> tuple[_RoadShared, _RoadPoints]:
         ends, temperature = warmed.ends, warmed.temperature
         rise = xp.transpose(warmed.rise)
     direction = against_lay.to_points(directed)
-    shared = _RoadShared(problem.foundation, problem.surface, share, ends)
-    points = _RoadPoints(
+    shared = RoadShared(problem.foundation, problem.surface, share, ends)
+    points = RoadPoints(
         problem.velocity, problem.pressure, direction, temperature, rise
     )
     return as_doubles((shared, points))
 
 
-def _problem(shared: _RoadShared, points: _RoadPoints, rtol: float) -> RoadProblem:
+def put_together(shared: RoadShared, points: RoadPoints, rtol: float) -> RoadProblem:
     foundation, surface, share, ends = shared
     softened = warmed = None
     directed = against_lay.of_points(lay_of(surface), points.direction)
@@ -524,24 +524,24 @@ def _problem(shared: _RoadShared, points: _RoadPoints, rtol: float) -> RoadProbl
 def _with_slopes(
     model: WaveByWave, rtol: float, counts: tuple[int, ...]
 ) -> Callable[..., SurfaceFriction]:
-    """`friction` under a transformation of JAX, of what `_taken_apart` gives: numbers
+    """`friction` under a transformation of JAX, of what `taken_apart` gives: numbers
     from NumPy, derivatives of the same integrals on `counts` cells.
     """
 
-    def numbers(shared: _RoadShared, points: _RoadPoints) -> tuple[Any, ...]:
-        return friction(model, _problem(shared, points, rtol))[
+    def numbers(shared: RoadShared, points: RoadPoints) -> tuple[Any, ...]:
+        return friction(model, put_together(shared, points, rtol))[
             :5
         ]  # but for what is said
 
-    def integrals(shared: _RoadShared, points: _RoadPoints) -> tuple[Any, Any]:
-        local = _problem(shared, points, rtol).local
+    def integrals(shared: RoadShared, points: RoadPoints) -> tuple[Any, Any]:
+        local = put_together(shared, points, rtol).local
         wave_nodes = nodes(
             shared.surface, _TRACED, bends(shared.surface, local), counts
         )
         modulus = shared.foundation.complex_modulus
         return _evaluate(modulus, wave_nodes, *points[:2], model, local)
 
-    def like(shared: _RoadShared, points: _RoadPoints) -> tuple[Any, ...]:
+    def like(shared: RoadShared, points: RoadPoints) -> tuple[Any, ...]:
         return (points.velocity,) * 5
 
     solve = numbers_with_slopes(numbers, ((integrals, 2),), like)

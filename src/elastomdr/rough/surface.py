@@ -34,6 +34,7 @@ from ..errors import InputError
 from ..material.shift import thermal_factors
 from ..material.validity import Range, misfit
 from ..models import named
+from ..numerics.implicit import on_host
 from ..results.base import WIDE
 from ..results.curve import FrictionCurve
 from ..results.doubts import Doubt, where
@@ -46,6 +47,7 @@ from .adhesion import AdhesiveShear, Known, check_adhesion, sheared, why_hotter
 from .against_lay import Directed
 from .heat import NO_STATE, Heat, check_heat, why_no_state
 from .local_modulus import Local, SoftenedByScale
+from .multiscale import RoadPoints, RoadShared, put_together, taken_apart
 from .problem import RoughCall, strained_beyond
 from .road_model import RoadProblem, SurfaceFriction, SurfaceModel
 from .road_models import HalfSpace, Multiscale, Persson
@@ -579,15 +581,15 @@ def _scales_in_words(by_scale: Warm, good: np.ndarray) -> list[tuple[str, str]]:
 def _strained(model: SurfaceModel, scene: SteadyScene, answer: _Answer) -> _Strained:
     """What softening changes; how far mu is off where the strain is not that taken.
 
-    Nothing of it under a transformation of JAX, but that how far they are off is not
-    known.
+    Under a transformation of JAX the same numbers, without derivatives, as a bound has
+    none; what there is to say of them is left out.
     """
     problem, softened = answer.problem, answer.problem.local.softened
     if softened is None:
         left_out = problem.foundation.softening is not None
         return _Strained(None, 0.0, 0.0, [SOFTENING_LEFT_OUT] if left_out else [])
     if scene.traced:
-        return _Strained(None, np.nan, np.nan, [])
+        return _Strained(None, *off_by_strain(model, problem), rows=[])
     linear, here, of_mu, of_area = by_strain(model, problem, softened)
     words = _softening_words(softened, problem.surface, here, linear, answer.hot.good)
     return _Strained(linear.mu, of_mu, of_area, [("softening", words)])
@@ -624,6 +626,18 @@ def by_strain(
         )
 
     return ByStrain(linear, here, *within_strain(changes, here.area))
+
+
+def off_by_strain(model: SurfaceModel, problem: RoadProblem) -> tuple[Array, Array]:
+    """`of_mu` and `of_area` of what JAX traces, without derivatives."""
+
+    def numbers(shared: RoadShared, points: RoadPoints) -> tuple[np.ndarray, ...]:
+        known = put_together(shared, points, problem.rtol)
+        assert known.local.softened is not None
+        return by_strain(model, known, known.local.softened)[2:]
+
+    shared, points = stop_gradient(taken_apart(problem))
+    return on_host(numbers, (points.velocity,) * 2, shared, points)
 
 
 def within_strain(changes: Callable[[float], np.ndarray], area: Array) -> np.ndarray:

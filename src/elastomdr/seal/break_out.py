@@ -39,7 +39,7 @@ from ..rough.local_modulus import Local, SoftenedByScale
 from ..rough.problem import Resting, resting_body
 from ..rough.road_model import RoadProblem
 from ..rough.road_models import Multiscale, Persson
-from ..rough.surface import bound_of_heights, by_strain
+from ..rough.surface import bound_of_heights, by_strain, off_by_strain
 from ..surface.spectrum import AbstractSpectrum, as_spectrum
 from .leak import bodies_in_words
 
@@ -286,7 +286,7 @@ def _of_strain(
 ) -> Any:
     """How far the real contact is off where the strain of each scale is."""
     if is_traced(problem):
-        return np.nan
+        return off_by_strain(model, problem)[1]
     return by_strain(model, problem, softened).of_area
 
 
