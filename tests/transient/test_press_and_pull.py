@@ -179,6 +179,35 @@ def test_an_edge_faster_than_the_data_is_extrapolated(celsius):
     assert np.isnan(pull.model_error[fast]).all()
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.ExtrapolationWarning")
+def test_an_edge_that_came_off_too_fast_is_extrapolated_until_the_contact_is_lost():
+    """And has no bound, however slow it is in the end; one that closed too fast is
+    forgotten.
+    """
+    depth, top = way(30e-6, -30e-6, 30), 29
+    steps = np.full(depth.size - 1, 1e-3)
+    steps[top : top + 10] = 1e-4
+    steps[top + 20 :] = 1.0
+    found = em.indent(
+        em.load_material("epdm-70"),
+        em.Sphere(RADIUS),
+        time=np.append(0.0, np.cumsum(steps)),
+        depth=depth,
+        adhesion=em.Adhesion(WORK, cutoff=1e-8),
+        temperature=298.15,
+    )
+    closing, touching = found.edge_speed > 0, found.contact_radius > 0
+    flagged = found.extrapolated
+    assert flagged[closing].any()
+    assert not flagged[top]
+    first = top + int(np.argmax(flagged[top:]))
+    assert first < top + 10
+    assert (flagged == (touching & (np.arange(depth.size) >= first)))[top:].all()
+    assert abs(found.edge_speed[top + 30]) < 1e-5
+    assert np.isnan(found.model_error[flagged]).all()
+    assert not np.isnan(found.model_error[~flagged]).any()
+
+
 def test_an_edge_faster_than_its_table_is_extrapolated():
     edge = ([1e-9, 1e-5], [1.0, 3.0])
     with pytest.warns(em.ExtrapolationWarning, match="table"):

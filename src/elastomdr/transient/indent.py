@@ -290,7 +290,10 @@ def indent(
     given_load = course.load is not None and course.depth is None
     fast = None
     if (rate := _rate_of_edge(law, bonds, solution)) is not None:
-        fast = edge_beyond(foundation.range, rate, factor)
+        assert edge is not None
+        fast = _while_it_matters(
+            edge_beyond(foundation.range, rate, factor), edge.speed, solution.radius
+        )
     beyond = history_beyond(
         foundation.range,
         every_time,
@@ -568,13 +571,26 @@ def _rate_of_edge(
     return 2 * np.pi * abs(edge.speed) / (bonds.length(law.equilibrium) * gamma)
 
 
+def _while_it_matters(fast: Array, speed: Array, radius: Array) -> Any:
+    """Where an edge is too `fast`, and where it opened too fast before and the contact
+    has not been lost since; a closing edge is left behind as the contact grows.
+    """
+    places = np.arange(np.shape(fast)[-1])
+    opened, lost = (
+        np.maximum.accumulate(np.where(x, places, -1), axis=-1)
+        for x in (fast & (speed < 0), ~(radius > 0))
+    )
+    return fast | (opened > lost)
+
+
 def _beyond_table(bonds: Adhesion, solution: Indented) -> tuple[Doubt, ...]:
     """Where an edge is faster than the table that was given of it; with a warning."""
     edge = solution.edge
     if edge is None or isinstance(bonds.edge, str) or is_traced(edge.speed):
         return ()
-    says = "have an edge faster than the table of `edge`, whose last factor is taken"
+    says = "have, or had, an edge faster than the table of `edge`, whose last factor is taken"
     fast = np.nan_to_num(abs(edge.speed)) > bonds.edge[0][-1]
+    fast = _while_it_matters(fast, edge.speed, solution.radius)
     doubt = Doubt("extrapolated", fast, says, "factors at those speeds")
     warn_of(doubt)
     return (doubt,)
