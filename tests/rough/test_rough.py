@@ -187,9 +187,8 @@ def test_plan_of_a_rough_line():
     plan = em.plan(
         many, rough(1024), velocity=np.geomspace(1e-4, 1, 5), load=10.0, model=em.Line()
     )
-    assert (plan.points, plan.branches, plan.solutions, plan.lines) == (5, 9, 5, 1)
-    assert (plan.control, plan.strides[-1]) == ("load", 1)
-    assert f"{plan.samples} samples" in str(plan)
+    assert plan.points == 5
+    assert "1 line of 4096 samples" in str(plan)
     with refused("quantity", "friction", "rolling"):
         em.plan(many, rough(1024), velocity=1.0, load=10.0, quantity="rolling")
 

@@ -41,9 +41,7 @@ def test_the_memory_is_its_integrals(shape, decay):
 
     @numpy_unless_traced
     def found():
-        p = tabulated(
-            Passage(law, SingleLine(shape), rule, np.ones(1)), 1.1 * size, full=True
-        )
+        p = tabulated(Passage(law, SingleLine(shape), rule, np.ones(1)), 1.1 * size)
         m = memory(p, size, size[None, None], full=True)
         return {name: x.ravel()[0] for name, x in m._asdict().items()}
 

@@ -3,10 +3,8 @@ over directions.
 """
 
 from collections.abc import Callable
-from functools import partial
 from typing import Literal, NamedTuple
 
-import jax
 import numpy as np
 
 from ..checks import Array
@@ -20,14 +18,13 @@ from ..surface.direction import (
 )
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import PERIODS, AbstractSpectrum, synthesise
-from .periodic import ROUNDING, Job, SolvedLine
+from .periodic import Job, SolvedLine
 
 # least relative error asked of the direction average: contacts that come and go leave
 # kinks in mu(v)
 AVERAGE = 1e-5
 # estimated error for the sampling of a line over mu, up to which a point is handed out
 SAMPLING = 0.1
-_MOST = 2**20  # samples of a line that nobody asked for
 _SAMPLES = 4096  # least number of samples of a line that is given by its points
 
 
@@ -171,79 +168,6 @@ def coarse_at(error: Array, mu: Array) -> Array:
     out.
     """
     return ~(error <= SAMPLING * abs(mu))
-
-
-def on_enough_samples(
-    ask: LinePoints,
-    mean: Mean,
-    line: RoughLine,
-    relaxed: float,
-    solve: Callable[[LinePoints, int], Mean],
-) -> tuple[Mean, np.ndarray]:
-    """Points whose sampling error is above `SAMPLING` times mu, solved again on four
-    times the samples, and so on.
-
-    `mean` is the answer on `line` or on lines like it, `solve(ask, count)` that on as
-    many samples. Returns the answer, and on how many samples each point has it. The
-    error that stays is the caller's to judge.
-    """
-    count = line.count
-    used = np.full(mean.mu.shape, count)
-    helped = ~_beyond_all_samples(ask, mean, line, relaxed)
-    while count * 4 <= _MOST:
-        count *= 4
-        coarse = np.flatnonzero(mean.good & helped & coarse_at(mean.error, mean.mu))
-        if not coarse.size:
-            break
-        finer = solve(
-            ask._replace(velocity=ask.velocity[coarse], value=ask.value[coarse]), count
-        )
-        better = finer.good & (finer.error < mean.error[coarse])
-        if not better.any():
-            break
-        improved = coarse[better]
-        used[improved] = count
-        mean = jax.tree.map(partial(_put, improved, better), mean, finer)
-    return mean, used
-
-
-def _beyond_all_samples(
-    ask: LinePoints, mean: Mean, line: RoughLine, relaxed: float
-) -> np.ndarray:
-    """Points that no sampling will answer, of the order of a million samples each:
-    those whose mu is below what rounding leaves, and those whose contact is less than
-    five samples wide on the finest line.
-
-    The contact is that of relaxed rubber on the parabola through the highest sample and
-    its neighbours.
-    """
-    height, spacing = np.asarray(line.height), float(line.spacing)
-    slope = np.sqrt(np.mean(np.diff(height) ** 2)) / spacing
-    top = int(np.argmax(height))
-    bend = (
-        2 * height[top] - height[top - 1] - height[(top + 1) % height.size]
-    ) / spacing**2
-    deep = (
-        2 * ask.value
-        if ask.control == "depth"
-        else (3 * np.sqrt(bend) * ask.value / (2 * relaxed)) ** (2 / 3)
-    )
-    with np.errstate(divide="ignore"):
-        narrow = np.sqrt(deep / bend) < 2.5 * spacing * line.count / _MOST
-    return narrow | (ROUNDING * slope > SAMPLING * np.abs(mean.mu))
-
-
-def _put(points: Array, which: Array, field: Array, finer: Array) -> np.ndarray:
-    field = np.array(field)
-    field[points] = finer[which]
-    return field
-
-
-def solutions(ask: LinePoints, average: bool) -> int:
-    """Line solutions that one line takes; about, where directions follow from a depth."""
-    if not average:
-        return ask.velocity.size
-    return ask.velocity.size + sum(grid.velocity.size for grid, _ in _grids(ask))
 
 
 def ensemble(

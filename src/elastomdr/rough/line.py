@@ -5,7 +5,7 @@ average, heating; and its plan.
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -24,18 +24,15 @@ from .ensemble import (
     LinePoints,
     Mean,
     coarse_at,
-    ensemble,
     mean_of_lines,
-    on_enough_samples,
-    solutions,
 )
 from .heat import NO_STATE, Branch, Heat, why_no_state
 from .line_problem import RoughScene, check, factor, load_level, missed
 from .local_modulus import Local
-from .periodic import Job, SolvedLine, solve_lines, strides_of
+from .periodic import Job, SolvedLine, solve_lines
 from .problem import RoughCall
 from .road_models import Multiscale
-from .surface import HOT, SOFTENING_LEFT_OUT, excited_beyond
+from .surface import HOT, SOFTENING_LEFT_OUT, SurfacePlan, excited_beyond
 from .temperature_by_scale import Problem, Warm, warmed
 
 if TYPE_CHECKING:
@@ -57,7 +54,6 @@ class _Solver:
         self.law = scene.at.foundation.law()
         self.rtol, self.progress = float(call.rtol), call.progress
         self.asked = self.finished = 0  # line solutions, so far
-        self.largest = scene.lines[0].count  # samples of a line so far
 
     def cold(self) -> Mean:
         """The points of the scene, at the temperatures that are given."""
@@ -90,27 +86,10 @@ class _Solver:
         return warmed(problem, Multiscale(), branch == "hot")
 
     def mean(self, reduced: np.ndarray, value: np.ndarray) -> Mean:
-        """Mean over the lines at v a_T and line loads or depths, on so many samples
-        that the error from the sampling is small.
-        """
+        """Mean over the lines at v a_T and line loads or depths."""
         scene = self.scene
         ask = LinePoints(reduced, value, scene.control, self.rtol)
-        mean = self._on(ask, scene.lines)
-        if self.model.samples is not None:
-            return mean
-
-        def finer(ask: LinePoints, samples: int) -> Mean:
-            lines = ensemble(self.surface, samples, self.model.periods, scene.seeds)
-            return self._on(ask, lines)
-
-        mean, used = on_enough_samples(
-            ask, mean, scene.lines[0], float(self.law.equilibrium), finer
-        )
-        self.largest = max(self.largest, int(used.max()))
-        return mean
-
-    def _on(self, ask: LinePoints, lines: list[RoughLine]) -> Mean:
-        return mean_of_lines(ask, lines, self.model.average, self._solved)
+        return mean_of_lines(ask, scene.lines, self.model.average, self._solved)
 
     def _solved(self, jobs: list[Job]) -> list[SolvedLine]:
         self.asked += sum(job.velocity.size for job in jobs)
@@ -155,7 +134,7 @@ def rough_friction(call: RoughCall, model: LineModel) -> FrictionCurve:
     _warn_of_failed(points, answer, states)
     spread, far = _model_bounds(scene, surface, model, answer)
     outside = excited_outside(foundation.range, surface, answer.reduced)
-    inputs = _inputs(scene, surface, model, heat, solver.largest, outside)
+    inputs = _inputs(scene, surface, model, heat, outside)
     beyond = rough_beyond(
         foundation.range, outside, points.temperature, points.shape, answer.rise()
     )
@@ -203,7 +182,7 @@ def _warn_of_failed(
         why.append(
             f"Of {int(coarse.sum())} the estimated error for the sampling of the "
             f"line, up to {worst:.1g} of mu, is above "
-            f"{SAMPLING:g}: more samples lower it."
+            f"{SAMPLING:g}: more samples lower it, em.Line(samples=...)."
         )
     warn_unless(answer.good, "points", reason=" ".join(why))
 
@@ -284,7 +263,6 @@ def _inputs(
     surface: Surface,
     model: LineModel,
     heat: Heat | None,
-    largest: int,
     outside: Array | None,
 ) -> list[tuple[str, str]]:
     """What a result says of its arguments."""
@@ -297,7 +275,7 @@ def _inputs(
         rows += load_level(
             points.foundation, surface, points.value, model.equivalent_length
         )
-    words = ensemble_words(scene.seeds, line.count, largest)
+    words = ensemble_words(scene.seeds, line.count)
     if isinstance(surface, AbstractSpectrum) and len(scene.lines) == 1:
         words += ": how far lines scatter is not known, and so no error of mu"
     rows += [("ensemble", words)]
@@ -311,31 +289,23 @@ def _inputs(
 
 
 @in_float64
-def rough_plan(call: RoughCall, model: LineModel) -> RoughPlan:
+def rough_plan(call: RoughCall, model: LineModel) -> SurfacePlan:
     """`em.plan` of a rough line or surface on lines; see there."""
     return _plan(check(call, model), call, model)
 
 
-def _plan(scene: RoughScene, call: RoughCall, model: LineModel) -> RoughPlan:
-    points, (line, *_) = scene.at, scene.lines
-    ask = LinePoints(
-        np.ravel(points.reduced), scene.given, scene.control, float(call.rtol)
-    )
-    name = points.foundation.name or "a foundation given directly"
-    return RoughPlan(
-        scene=f"{surface_words(call.surface, line)} on {name}",
-        model=_model(scene, model.average, call.heat),
-        control=scene.control,
-        points=ask.velocity.size,
-        rtol=ask.rtol,
-        averaged=model.average,
-        lines=len(scene.lines),
-        samples=line.count,
-        strides=tuple(strides_of(line.count)),
-        branches=points.foundation.law().moduli.shape[0],
-        solutions=len(scene.lines) * solutions(ask, model.average),
-        temperatures=0 if points.temperature is None else np.size(points.temperature),
-        heated=call.heat is not None,
+def _plan(scene: RoughScene, call: RoughCall, model: LineModel) -> SurfacePlan:
+    name = scene.at.foundation.name or "a foundation given directly"
+    line = scene.lines[0]
+    work = "periodic states of " + ensemble_words(scene.seeds, line.count)
+    if model.average:
+        work += ", averaged over directions"
+    return SurfacePlan(
+        f"{surface_words(call.surface, line)} on {name}",
+        _model(scene, model.average, call.heat),
+        int(np.prod(scene.at.shape)),
+        work,
+        "the transient, and other elements, which see the same",
     )
 
 
@@ -364,58 +334,9 @@ def surface_words(surface: Surface, line: RoughLine) -> str:
     ) + (f"{float(line.rms_slope):.4g}")
 
 
-def ensemble_words(seeds: tuple[int, ...], count: int, largest: int = 0) -> str:
+def ensemble_words(seeds: tuple[int, ...], count: int) -> str:
     """How many lines of how many samples, for results."""
     sentence = f"{len(seeds)} line{'s' * (len(seeds) > 1)} of {count} samples"
     if seeds != tuple(range(len(seeds))):
         sentence += f", seed{'s' * (len(seeds) > 1)} " + ", ".join(map(str, seeds))
-    if largest > count:
-        sentence += f", of up to {largest} where that was too few"
     return sentence
-
-
-@dataclasses.dataclass(frozen=True)
-class RoughPlan:
-    """What will be computed, and why; `print(plan)` says it in words."""
-
-    scene: str  # surface and material, in words
-    model: str  # the model's name, as in every result
-    control: Literal["load", "depth"]
-    points: int
-    rtol: float
-    averaged: bool  # whether the direction average is taken
-    lines: int  # in the ensemble
-    samples: int  # of a line
-    strides: tuple[int, ...]  # every how manieth sample is taken, level by level
-    branches: int  # of the material
-    solutions: int  # line solutions of all lines
-    temperatures: int
-    heated: bool
-
-    def __str__(self) -> str:
-        levels = "".join(f"every {s}th, " for s in self.strides[:-1])
-        lines = [
-            f"Plan: friction, {self.scene}",
-            f"  model        {self.model}",
-            f"  asked        {self.points} point{'s' * (self.points != 1)} by "
-            f"{self.control}, relative error of mu {self.rtol:g} besides the sampling",
-            f"  lines        {self.lines} of {self.samples} samples: {levels}then all "
-            "of them",
-            f"  branches     all {self.branches}",
-        ]
-        if self.temperatures > 1:
-            lines.append(
-                f"  temperature  {self.temperatures} of them enter as shifted "
-                "velocities v a_T"
-            )
-        averaged = "averaged; velocities under one load share the curve of a line"
-        more = ", and more for each round of heating" if self.heated else ""
-        lines += [
-            "  directions   "
-            + (averaged if self.averaged else "one: no direction average"),
-            f"  solutions    {self.solutions} periodic states, in batches on every "
-            f"core{more}",
-            "  not needed   the transient (the periodic state is solved for), other "
-            "elements (they see the same)",
-        ]
-        return "\n".join(lines)

@@ -94,11 +94,11 @@ class Passage(NamedTuple):
         return self.velocity * self.law.times[:, None]
 
 
-def tabulated(p: Passage, size: Float[Array, " points"], full: bool = False) -> Passage:
+def tabulated(p: Passage, size: Float[Array, " points"]) -> Passage:
     """The passage with the memory at the panels' ends; `size` says about how large the
     contact is.
 
-    With `full` also the work and the variants that an error estimate takes. A contact
+    With the work, too, and the variants that an error estimate takes. A contact
     in strips has no such table: its lines change with its size.
     """
     if not isinstance(p.lines, SingleLine) or p.rule.exact:
@@ -106,7 +106,7 @@ def tabulated(p: Passage, size: Float[Array, " points"], full: bool = False) -> 
     ends = _ends(p.rule, p.lines, size)
     if ends is None:
         return p
-    return p._replace(ends=ends, table=_table(p, ends, size, full))
+    return p._replace(ends=ends, table=_table(p, ends, size, True))
 
 
 def selected(p: Passage, points: Array) -> Passage:
@@ -374,19 +374,6 @@ def _from_apex(p: Passage, size: Array, place: Array, full: bool) -> Memory:
         within.work,
         within.work_lost,
         within.square,
-    )
-
-
-def one_panel(
-    p: Passage, size: Array, trailing: Float[Array, "lines points"], full: bool
-) -> Within:
-    """What the contact adds up to in one panel, from -`trailing` on; of an exact rule
-    on a profile without a kink.
-    """
-    start = -trailing[None, :, None]
-    return _within(
-        _panel(p, size, start, p.lines.entry(size)[None, :, None] - start, full),
-        p.decay,
     )
 
 

@@ -244,9 +244,6 @@ def _edges(
 ) -> _Edges:
     """The passage with its table, contact sizes and trailing edges to rounding, and
     which points have them; on NumPy.
-
-    On a single line they are sought with few samples first, and from there with all of
-    them.
     """
     top = largest_size(p.lines, value)
     by_depth = control == "depth"
@@ -268,15 +265,9 @@ def _edges(
             )
             if p.rule.parabola and converged.all():
                 return _Edges(p, np.exp(log_size), ratio, converged)
-        if single and not p.rule.exact:
-            coarse = tabulated(p._replace(rule=p.rule.coarser()), np.exp(log_size))
-            log_size, ratio, converged = _sought(
-                coarse, value, log_size, ratio, top, by_depth
-            )
-            ratio = np.where(converged, ratio, 0.8)
     converged = np.zeros(value.shape, bool)
     for _ in range(_TABLES):
-        p, before = tabulated(p, np.exp(log_size), full=True), log_size
+        p, before = tabulated(p, np.exp(log_size)), log_size
         log_size, ratio, converged = _sought(
             first_variant(p), value, log_size, ratio, top, by_depth
         )

@@ -16,7 +16,6 @@ both edges; see there. Axes: (variants,) lines, branches, points.
 
 from __future__ import annotations
 
-import abc
 import functools
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -25,7 +24,7 @@ import numpy as np
 from ..arrays import stop_gradient, xp
 from ..checks import Array
 from ..element.episode import Modes
-from .memory import Passage, direct, memory, one_panel
+from .memory import Passage, direct, memory
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -40,7 +39,7 @@ _UNSEEN = 3.0
 
 def exit_density(p: Passage, size: Array, ratio: Array) -> Float[Array, "lines points"]:
     """Line force density q(-b) at the trailing edges b = ratio times entry."""
-    return _contact(p, size, ratio).density()[0]
+    return _Contact(p, size, ratio).density()[0]
 
 
 def balance(
@@ -49,7 +48,7 @@ def balance(
     """`exit_density` and the normal force [N]: the two equations of a passage, at the
     cost of one.
     """
-    contact = _contact(p, size, ratio)
+    contact = _Contact(p, size, ratio)
     return contact.density()[0], xp.sum(
         p.lines.weight(size) * contact.force()[0], axis=0
     )
@@ -75,7 +74,7 @@ def balance_and_slopes(p: Passage, size: Array, ratio: Array) -> Slopes:
     g'(r - b) dr, by parts, L = a + b. A dashpot adds -eta v g''(b) to the last one,
     here by a difference: enough for a search.
     """
-    contact = _contact(p, size, ratio)
+    contact = _Contact(p, size, ratio)
     law, length, gone = p.law, contact.entry + contact.exit, contact.gone()
     left = law.equilibrium + law.moduli.sum() - law.moduli @ gone  # E(L/v)
     # int E dr
@@ -130,13 +129,13 @@ def part_of_contact(
 
 def normal_force(p: Passage, size: Array, ratio: Array) -> Float[Array, " points"]:
     """Normal force [N], of all lines."""
-    return xp.sum(p.lines.weight(size) * _contact(p, size, ratio).force()[0], axis=0)
+    return xp.sum(p.lines.weight(size) * _Contact(p, size, ratio).force()[0], axis=0)
 
 
 def friction_force(p: Passage, size: Array, ratio: Array) -> Float[Array, " points"]:
     """Friction force [N], of all lines; its error is not estimated."""
     return xp.sum(
-        p.lines.weight(size) * _contact(p, size, ratio, full=True).drag()[0], axis=0
+        p.lines.weight(size) * _Contact(p, size, ratio, full=True).drag()[0], axis=0
     )
 
 
@@ -151,7 +150,7 @@ class Forces(NamedTuple):
 
 def forces(p: Passage, size: Array, ratio: Array) -> Forces:
     """Normal and friction force; `p` is tabulated in full."""
-    contact = _contact(p, size, ratio, full=True)
+    contact = _Contact(p, size, ratio, full=True)
     return Forces(
         *_total(p, size, contact.force(), 0.0),
         *_total(p, size, contact.drag(), contact.blur()),
@@ -176,7 +175,7 @@ def branch_losses(
     m_j e^{-t/lambda_j}: E_k tau_k int y_k'^2 dt in closed form. Exact where the
     sampling is; their sum is the friction force. Derived here.
     """
-    contact = _contact(p, size, ratio, full=True)
+    contact = _Contact(p, size, ratio, full=True)
     slow, left = contact.slow, contact.rise[:, None]
     kept, gone = (x[0] for x in contact.worked())
     force, lag = contact.kept()[0], contact.lost()[0]
@@ -231,22 +230,20 @@ def _total(
     return xp.sum(parts, axis=0), stop_gradient(error)
 
 
-def _contact(p: Passage, size: Array, ratio: Array, full: bool = False) -> "_Contact":
-    return (_OnePanel if p.rule.exact and not p.rule.split else _TwoSides)(
-        p, size, ratio, full
-    )
+class _Contact:
+    """What a stretch of contact adds up to, from the memory at its two edges."""
 
-
-class _Contact(abc.ABC):
-    """What a stretch of contact adds up to."""
-
-    def __init__(self, p: Passage, size: Array, ratio: Array):
+    def __init__(self, p: Passage, size: Array, ratio: Array, full: bool = False):
         self.p, self.size, self.line = p, size, xp.arange(p.lines.count)[:, None]
         self.entry, self.decay = p.lines.entry(size), p.decay
         self.exit = ratio * self.entry
         self.places = xp.stack([self.entry, self.exit])
         self.high, self.low = p.lines.profile(self.places, size, self.line)
         self.steep, self.at_exit = self.slope(self.places)
+        both = memory(p, size, self.places, full)
+        self.ahead, self.behind = (both.each(lambda x, i=i: x[i]) for i in (0, 1))
+        self.fading = -self.exit[:, None] / self.decay
+        self.force_of_branch = xp.exp(self.fading) * self.ahead.near - self.behind.far
 
     def slope(self, x: Array) -> Array:
         return self.p.lines.slope(x, self.size, self.line)
@@ -265,27 +262,40 @@ class _Contact(abc.ABC):
         """1 - e^{-(a + b)/s}."""
         return -xp.expm1(-(self.entry + self.exit)[:, None] / self.decay)
 
-    @abc.abstractmethod
     def kept(self) -> Float[Array, "variants lines branches points"]:
         """int e^{-r/s} g'(r - b) dr: at the trailing edge, the force in a branch over
         its modulus.
         """
+        return self.force_of_branch
 
-    @abc.abstractmethod
     def lost(self) -> Float[Array, "variants lines branches points"]:
         """int (1 - e^{-r/s}) g'(r - b) dr: the displacement of its dashpot."""
+        return (
+            self.ahead.near_lost
+            - xp.expm1(self.fading) * self.ahead.near
+            - self.behind.far_lost
+        )
 
-    @abc.abstractmethod
     def moment(self) -> Float[Array, "variants lines points"]:
         """int x g'(x) dx."""
+        return (self.ahead.moment + self.behind.moment)[..., 0, :]
 
-    @abc.abstractmethod
     def worked(self) -> tuple[Array, Array]:
         """int e^{-r/s} C dr and int (1 - e^{-r/s}) C dr."""
+        a, b = self.ahead, self.behind
+        high, low = self.high[:, None], self.low[:, None]
+        gone = (
+            a.work_lost
+            + b.work_lost
+            - high * b.near_lost
+            - low * a.near_lost
+            + a.near_lost * b.near_lost
+        )
+        return a.work + b.work - a.near * b.near, gone
 
-    @abc.abstractmethod
     def square(self) -> Float[Array, "variants lines points"]:
         """C(0) = int g'^2 dx."""
+        return (self.ahead.square + self.behind.square)[..., 0, :]
 
     def density(self) -> Float[Array, "variants lines points"]:
         law = self.p.law
@@ -341,67 +351,3 @@ def _over_branches(
 ) -> Float[Array, "*n points"]:
     """Sum over the branches, weighted."""
     return weights @ terms
-
-
-class _OnePanel(_Contact):
-    """A contact that one panel covers from its trailing edge on, since the slope is one
-    polynomial.
-    """
-
-    def __init__(self, p: Passage, size: Array, ratio: Array, full: bool):
-        super().__init__(p, size, ratio)
-        self.whole = one_panel(p, size, self.exit, full)
-
-    def kept(self):
-        return self.whole.ahead
-
-    def lost(self):
-        return self.whole.ahead_lost
-
-    def moment(self):
-        return self.whole.moment[..., 0, :]
-
-    def worked(self):
-        return self.whole.work, self.whole.work_lost
-
-    def square(self):
-        return self.whole.square[..., 0, :]
-
-
-class _TwoSides(_Contact):
-    """A contact from the memory at its two edges."""
-
-    def __init__(self, p: Passage, size: Array, ratio: Array, full: bool):
-        super().__init__(p, size, ratio)
-        both = memory(p, size, self.places, full)
-        self.ahead, self.behind = (both.each(lambda x, i=i: x[i]) for i in (0, 1))
-        self.fading = -self.exit[:, None] / self.decay
-        self.force_of_branch = xp.exp(self.fading) * self.ahead.near - self.behind.far
-
-    def kept(self):
-        return self.force_of_branch
-
-    def lost(self):
-        return (
-            self.ahead.near_lost
-            - xp.expm1(self.fading) * self.ahead.near
-            - self.behind.far_lost
-        )
-
-    def moment(self):
-        return (self.ahead.moment + self.behind.moment)[..., 0, :]
-
-    def worked(self):
-        a, b = self.ahead, self.behind
-        high, low = self.high[:, None], self.low[:, None]
-        gone = (
-            a.work_lost
-            + b.work_lost
-            - high * b.near_lost
-            - low * a.near_lost
-            + a.near_lost * b.near_lost
-        )
-        return a.work + b.work - a.near * b.near, gone
-
-    def square(self):
-        return (self.ahead.square + self.behind.square)[..., 0, :]

@@ -11,7 +11,6 @@ import numpy as np
 
 from ..checks import certain
 from ..material.relaxation import Relaxation
-from ..material.validity import SLOWEST, Range
 from ..surface.direction import directions, shared_curve_size
 from ..surface.lines import AbstractLines
 from ..surface.profile import Profile
@@ -40,7 +39,6 @@ class PlanAsked:
     # whether elements are marched in time steps; of a plan also where contact may be
     # renewed
     marched: bool
-    range: Range | None  # where the material's numbers hold; None: not known
 
 
 @dataclasses.dataclass(frozen=True)
@@ -57,8 +55,6 @@ class Plan(PlanAsked):
     # line solutions to begin with; where the error asks for it a curve gets twice as
     # many, and so on
     solutions: int
-    # lowest and highest 2 v a_T/a, roughly [rad/s]; None while JAX traces
-    passing: tuple[float, float] | None
     # under a JAX transformation: values are not known, so nothing that depends on them
     # is skipped
     traced: bool
@@ -93,13 +89,12 @@ def make_plan(
     # Under a depth each point has its own load, which is found first.
     solutions = points * count + (points if averaged and control == "depth" else 0)
     traced = value is None or velocity is None
-    shared, passing = False, None
+    shared = False
     rules = ladder(lines.shape, inner, strips=lines.count > 1)
     if value is not None and velocity is not None:
-        slow, fast = float(velocity.min()), float(velocity.max())
         # Contacts are the larger, the slower the motion and the higher the load.
-        ends = np.array([value.max(), value.min()]), np.array([slow, fast])
-        widest, narrowest = map(float, estimate_sizes(law, lines, control, *ends))
+        ends = np.array([value.max()]), np.array([velocity.min()])
+        widest = float(estimate_sizes(law, lines, control, *ends)[0])
         rules = ladder(
             lines.shape,
             rtol,
@@ -110,7 +105,6 @@ def make_plan(
             with_grid = _on_shared_curves(control, value, velocity, points, rtol)
             if bends or with_grid < solutions:
                 shared, solutions = True, with_grid
-        passing = 2 * slow / widest, 2 * fast / narrowest
     given = {x.name: getattr(asked, x.name) for x in dataclasses.fields(PlanAsked)}
     given |= {"averaged": averaged, "marched": asked.marched or renewed}
     return Plan(
@@ -120,7 +114,6 @@ def make_plan(
         directions=count,
         shared=shared,
         solutions=solutions,
-        passing=passing,
         traced=traced,
         elastic=elastic,
         bends=bends,
@@ -176,8 +169,6 @@ def _described(plan: Plan) -> list[str]:
             "spectrum serves all"
         )
         lines.append(f"  temperature  {sentence}")
-    if plan.passing is not None:
-        lines.append(f"  frequencies  {_frequencies(plan, plan.passing)}")
     lines.append(f"  directions   {_directions(plan)}")
     lines.append(
         "  not needed   the transient, the history of other elements (in steady "
@@ -188,26 +179,6 @@ def _described(plan: Plan) -> list[str]:
         "them asked for"
     )
     return lines
-
-
-def _frequencies(plan: Plan, passing: tuple[float, float]) -> str:
-    sentence = (
-        f"passages dissipate most about 2 v a_T/a, {passing[0]:.1g} to "
-        f"{passing[1]:.1g} rad/s"
-    )
-    if plan.range is None or plan.range.omega is None:
-        return sentence
-    if not plan.range.omega:
-        return (
-            f"{sentence}: the range of the material is empty, the data determine its loss "
-            "modulus nowhere"
-        )
-    low, high = plan.range.omega
-    where = "within" if low <= SLOWEST * passing[0] and passing[1] <= high else "beyond"
-    sentence += f", and last up to {1 / (SLOWEST * passing[0]):.1g} s"
-    return (
-        f"{sentence}: {where} the range of the material, {low:.3g} to {high:.3g} rad/s"
-    )
 
 
 def _contact(plan: Plan) -> str:

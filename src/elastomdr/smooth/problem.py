@@ -265,7 +265,6 @@ def check(call: SmoothCall, softens: bool = True) -> SmoothScene:
         averaged=averaged,
         corrected=corrected,
         marched=chosen.marched,
-        range=foundation.range,
     )
     plan = make_plan(asked, law, lines, spread, passing)
     if chosen.marched and plan.traced:

@@ -38,14 +38,6 @@ class Rule:
         """Whether the profile is a parabola: its slope is one straight line."""
         return self.exact and not self.split and self.nodes == 2
 
-    def coarser(self) -> "Rule":
-        """A rule to begin the search with."""
-        return dataclasses.replace(
-            self,
-            nodes=min(self.nodes, 6),
-            fractions=(0.0, *self.fractions[:0:-2][::-1]),
-        )
-
 
 def ladder(
     shape: AbstractShape, rtol: float, smallest: float = 0.0, strips: bool = False

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, Motion
     from ..call.several_materials import Plans
     from ..call.types import Indenter, Materials, ModelLike, Surface
-    from ..rough.line import RoughPlan
     from ..rough.surface import SurfacePlan
 
 
@@ -43,7 +42,7 @@ def plan(
     heat: Heat | None = None,
     adhesion: AdhesiveShear | None = None,
     direction: ArrayLike | None = None,
-) -> "Plan | LayerPlan | RoughPlan | SurfacePlan | Plans | str":
+) -> "Plan | LayerPlan | SurfacePlan | Plans | str":
     """The plan that `friction` (or `rolling`, by `quantity`) would follow; printing it
     says what is skipped and why.
 

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from .._types import ArrayLike
     from ..call.types import Surface
     from ..results.curve import FrictionCurve
-    from ..rough.line import RoughPlan
     from ..rough.problem import RoughCall
     from ..rough.surface import SurfacePlan
     from ..surface.spectrum import AbstractSpectrum
@@ -145,7 +144,7 @@ def friction_by(call: RoughCall, model: Line | SurfaceModel) -> FrictionCurve:
     return surface_friction(call, model)
 
 
-def plan_by(model: Line | SurfaceModel, call: RoughCall) -> RoughPlan | SurfacePlan:
+def plan_by(model: Line | SurfaceModel, call: RoughCall) -> SurfacePlan:
     """`em.plan` of a rough line or surface. Raises `InputError`."""
     if isinstance(model, Line):
         from ..rough.line import rough_plan
