@@ -21,7 +21,7 @@ ROOMS = {
     "fit": 67,
     "smooth": 49,
     "seal": 41,
-    "results": 40,
+    "results": 41,
     "io": 37,
     "surface": 30,
     "app": 30,

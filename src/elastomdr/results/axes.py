@@ -13,6 +13,7 @@ from .words import in_words
 # relative spread below which values count as one: a load that was asked for comes back
 # within rounding
 _ALIKE = 1e-6
+_MANY = 8  # curves over several parameters beyond which a figure shows some
 # others: their field
 _NAMES = {"normal_force": "load", "force": "load", "load_per_length": "load"}
 
@@ -109,6 +110,17 @@ def curves(axes: list[Axis], along: str = "velocity") -> tuple[Axis, list[Curve]
     return axes[place], [
         Curve(index, ", ".join(_labels(axes, index))) for index in product(*others)
     ]
+
+
+def few(curves: list[Curve]) -> list[Curve]:
+    """What a figure shows of many curves over several parameters: those of which all
+    parameters but one are in the middle of theirs.
+    """
+    places = np.array([[i for i in c.place if isinstance(i, int)] for c in curves])
+    if len(curves) <= _MANY or (places.max(axis=0) > 0).sum() < 2:
+        return curves
+    away = (places != places.max(axis=0) // 2).sum(axis=1)
+    return [curve for curve, off in zip(curves, away, strict=True) if off <= 1]
 
 
 def place_in_words(axis: Axis, i: int) -> str:

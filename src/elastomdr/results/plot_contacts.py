@@ -22,11 +22,14 @@ from .plotting import (
     Trace,
     draw,
     figure_of,
+    frame,
     logarithmic_if_wide,
 )
 from .words import in_unit, in_words
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
@@ -169,6 +172,35 @@ def draw_rough_contact(
     ax = draw(result, ask, x, y, band)
     logarithmic_if_wide(ax, getattr(result, y or result.shows), LOG_RATIO / 4)
     return ax
+
+
+def draw_surface(
+    heights: tuple[np.ndarray, np.ndarray],
+    spectrum: tuple[np.ndarray, np.ndarray],
+    names: tuple[str, str],
+    label: str = SPECTRUM,
+    axes: Sequence[Axes] | None = None,
+) -> tuple[Axes, Axes]:
+    """Draws heights over a line [m] (left) and a spectrum over wave numbers (right), on
+    two axes that are given or new ones; returns them.
+    """
+    if axes is None:
+        from matplotlib.figure import Figure
+
+        axes = tuple(Figure(figsize=(9.6, 3.8), layout="constrained").subplots(1, 2))
+    left, right = axes
+    x, height = (
+        scale * values for scale, values in zip((1e3, 1e6), heights, strict=True)
+    )
+    left.plot(x, height, color=PALETTE[0], linewidth=0.8)
+    left.set(xlabel="Position on the line [mm]", ylabel="Height, into the rubber [µm]")
+    look = {"color": PALETTE[0], "marker": "o" if spectrum[0].size < 40 else ""}
+    right.loglog(*spectrum, markersize=4, **look)
+    right.set(xlabel=WAVE_NUMBER, ylabel=label)
+    for ax, name in zip((left, right), names, strict=True):
+        ax.set_title(name, loc="left", fontsize=10)
+        frame(ax)
+    return left, right
 
 
 def roughness_in_words(rms_height: float, rms_slope: float) -> str:

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..checks import Array
 from ..errors import InputError
-from .axes import Axis, Curve, Quantity
+from .axes import Axis, Curve, Quantity, few
 from .doubts import SHORT, Doubt
 from .words import in_unit
 
@@ -432,7 +432,8 @@ class ResultSketch(Sketch):
         self.fields = {q.key: values for q, values in result.fields(None).items()}
         self.about = {q.key: q for q in result.quantities()}
         self.x, self.y = x or result.across, y or result.shows
-        self.axis, self.curves = result.curves(result.last or self.x)
+        self.axis, every = result.curves(result.last or self.x)
+        self.curves = few(every)
         # x has values of its own
         self.along = (
             bool(result.last) or self.axis.name == self.x or not self.axis.known
@@ -451,6 +452,8 @@ class ResultSketch(Sketch):
             result.counted(),
             result.doubts,
         )
+        if len(self.curves) < len(every):
+            entry.notes.append(f"{len(self.curves)} of {len(every)} curves drawn")
         super().__init__(ask, entry, panels)
         self.dotted = dotted(result.doubts, np.shape(result.converged))
 

@@ -26,6 +26,7 @@ slope of the surface, from which the sum over the waves of a square differs a li
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -58,6 +59,7 @@ from .rough_line import RoughLine, line_of_heights
 
 if TYPE_CHECKING:
     from jaxtyping import Float
+    from matplotlib.axes import Axes
 
     from .._types import Array, ArrayLike, Convention, Number, Scalar
 
@@ -235,6 +237,23 @@ class AbstractSpectrum(Tree):
             if size
         )
         return Draws(surfaces, self.label, words)
+
+    def plot(
+        self, axes: Sequence[Axes] | None = None, seed: int = 0
+    ) -> tuple[Axes, Axes]:
+        """The line made from `seed`, and the spectrum, side by side; returns the two
+        matplotlib Axes.
+        """
+        from ..results.plot_contacts import draw_surface, roughness_in_words
+
+        line = synthesise(self, seed)
+        surface = roughness_in_words(float(self.rms_height), float(self.rms_slope))
+        return draw_surface(
+            (np.asarray(line.x), np.asarray(line.height)),
+            (np.asarray(self.q), np.asarray(self.c)),
+            (f"Line of the method, seed {seed}", f"{surface} (surface)"),
+            axes=axes,
+        )
 
     def words(self) -> str:
         """rms values and both cutoffs, in a few words."""
