@@ -46,6 +46,18 @@ def test_lines_are_short(page):
     assert [line for line in prose(page) if len(line) > WIDE] == []
 
 
+def test_what_everybody_reads_is_short():
+    """Words: numbers that may only fall."""
+    users = (
+        "app belt choosing fitting measured-friction scenes terms tour transient tyre"
+    )
+    pages = [ROOT / "docs" / f"{name}.md" for name in (*users.split(), "your-data")]
+    assert sum(len(page.read_text("utf-8").split()) for page in pages) <= 7_500
+    assert len((ROOT / "README.md").read_text("utf-8").split()) <= 600
+    unreleased = (ROOT / "CHANGELOG.md").read_text("utf-8").split("\n## [")[1]
+    assert len(unreleased.split()) <= 2_000
+
+
 def blocks(page: Path, language: str) -> list[str]:
     """The fenced code blocks of a page, without the indentation of a list."""
     found = re.findall(
