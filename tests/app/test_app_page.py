@@ -710,6 +710,22 @@ def test_cards_of_a_result():
     assert surer.notes
 
 
+def test_the_power_of_a_belt_has_the_bound_of_its_coefficient():
+    from elastomdr.app.cards import cards
+
+    cover = em.layer(em.load_material("epdm-70"), 6e-3)
+    side = em.Idlers(cover, em.Cylinder(0.08, 0.4), spacing=1.2)
+    belt = em.conveyor(
+        side, side, velocity=[2.0, 5.0], belt=28.0, goods=120.0, temperature=293.15
+    )
+    top, sure, _ = cards(belt)
+    share = float((belt.model_error / belt.coefficient)[1])
+    assert share > 0.01
+    number, half = (part.split()[0] for part in top.number.split(" ± "))
+    assert float(half) / float(number) == pytest.approx(share, rel=0.05)
+    assert float(sure.number.split()[1]) == pytest.approx(100 * share, rel=0.05)
+
+
 def at_one_velocity():
     road = em.SelfAffine(0.8, rms_slope=0.7, q_low=1257.0, q_high=125663.0)
     return em.friction(

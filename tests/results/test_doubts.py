@@ -182,6 +182,16 @@ def test_draws_and_rankings_have_the_doubts_of_their_curves(kind, tmp_path):
 
 
 @pytest.mark.filterwarnings("ignore")
+def test_a_ranking_says_which_of_its_places_failed():
+    """It has no flag of its own for that."""
+    curve = MADE["bound"]()
+    none = np.zeros(np.shape(curve.mu), bool)
+    lost = dataclasses.replace(curve, mu=curve.mu * np.nan, converged=none)
+    both = type(curve).stack([curve, lost], ["known", "lost"])
+    assert "not converged" in kinds(both.ranking().doubts)
+
+
+@pytest.mark.filterwarnings("ignore")
 def test_a_ranking_has_the_doubts_of_each_place(tmp_path):
     sure = rubber(range={"omega": (1e-9, 1e15)})
     beyond = em.Prony(2e6, [8e6], [1e-3], name="beyond", range={"omega": (1.0, 2.0)})

@@ -125,6 +125,20 @@ def test_no_bound_where_shear_exceeds_the_pressure():
             ]
 
 
+def test_limits_have_derivatives_beyond_the_pressure():
+    def ends(pressure):
+        found = em.break_out(RUBBER, ROUGH, pressure=pressure, boundary_shear=2e6)
+        return found.mu_low, found.mu_high
+
+    assert ends(1e5)[0] > 0.7
+    with jax.enable_x64(True):
+        slopes = jax.jacrev(ends)(1e5)
+    h = 10.0
+    for i, slope in enumerate(slopes):
+        centred = (ends(1e5 + h)[i] - ends(1e5 - h)[i]) / (2 * h)
+        assert slope == pytest.approx(centred, rel=1e-4)
+
+
 def test_derivative():
     def mu(pressure):
         return em.break_out(

@@ -279,7 +279,7 @@ def _errors(result: Result) -> tuple[Any, Any]:
         return result.net_leak_error, np.nan
     if isinstance(result, em.Conveyor):  # of the coefficient
         scale = result.power / result.coefficient
-        return result.error * scale, np.nan
+        return result.error * scale, bound * scale
     return result.error, bound
 
 

@@ -652,7 +652,8 @@ class Ranking:
     @property
     def doubts(self) -> tuple[Doubt, ...]:
         """Those of the places, one point each."""
-        return carried(doubt for place in self.places for doubt in place.doubts)
+        doubts = (doubt for place in self.places for doubt in place.doubts)
+        return carried(doubts, failed=True)
 
     def where(self) -> str:
         """Velocity, temperature and pressure in words."""

@@ -289,7 +289,7 @@ def _unforetold(added: Array, bound: Array | float | None) -> tuple[Doubt, ...]:
     """
     over = xp.asarray(added > MOST_SHEAR)
     says = "the shear of the contact exceeds its pressure"
-    if certain(np.any, over):
+    if certain(lambda x: (x > MOST_SHEAR).any(), added):
         most = significant(float(added[over].max()))
         says += f"; it is up to {most} times that and would change the contact"
     exceeds = _no_prediction(over, says)
