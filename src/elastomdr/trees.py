@@ -21,7 +21,6 @@ from collections.abc import Callable, Iterable, Sequence
 from types import ModuleType
 from typing import Any, TypeVar, dataclass_transform
 
-from .notebook_tables import fields_in_words, html_table
 from .units.arguments import constructor_in_si
 
 T = TypeVar("T")
@@ -56,9 +55,6 @@ class Tree(abc.ABC):  # noqa: B024
         if "__init__" in vars(cls):
             constructor_in_si(cls)
         pytree(cls)
-
-    def _repr_html_(self) -> str:
-        return html_table(type(self).__name__, fields_in_words(self))
 
 
 def _has_own(cls: type, method: str) -> bool:

@@ -14,7 +14,6 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
-from elastomdr.material import library
 from elastomdr.material.library import material_info
 
 from .check import check_material
@@ -167,35 +166,6 @@ def test_directories_of_third_parties(mine, monkeypatch, tmp_path):
     assert str((other / "mine.toml").resolve()) in str(error.value)
     monkeypatch.setenv("ELASTOMDR_MATERIALS", str(tmp_path / "none"))
     with pytest.raises(InputError, match="ELASTOMDR_MATERIALS must be"):
-        em.materials()
-
-
-def test_packages_of_third_parties(mine, monkeypatch, tmp_path):
-    package, metadata = (
-        tmp_path / "rubber_company",
-        tmp_path / "rubber_company-1.0.dist-info",
-    )
-    package.mkdir()
-    metadata.mkdir()
-    (package / "__init__.py").write_text(
-        "raise RuntimeError('must not be imported')\n", encoding="utf-8"
-    )
-    (package / "mine.toml").write_text(mine, encoding="utf-8")
-    (metadata / "METADATA").write_text(
-        "Metadata-Version: 2.1\nName: rubber-company\nVersion: 1.0\n", encoding="utf-8"
-    )
-    points = metadata / "entry_points.txt"
-    points.write_text(
-        "[elastomdr.materials]\ncompany = rubber_company\n", encoding="utf-8"
-    )
-    monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.setattr(library, "_of_packages", library._of_packages.__wrapped__)
-    assert "mine" in em.materials()
-    assert em.load_material("mine").name == "mine"
-    points.write_text(
-        "[elastomdr.materials]\ncompany = no_such_package.materials\n", encoding="utf-8"
-    )
-    with pytest.raises(InputError, match=r"'company'.*'no_such_package.materials'"):
         em.materials()
 
 

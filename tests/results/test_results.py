@@ -575,7 +575,7 @@ def test_every_quantity_has_the_unit_of_what_it_is():
 
 
 @pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
-def test_a_result_a_material_and_a_fit_as_tables_of_a_notebook():
+def test_a_result_and_a_fit_as_tables_of_a_notebook():
     curve = dataclasses.replace(
         friction_curve(), inputs=(("material", "<b>"), *INPUTS[1:])
     )
@@ -590,16 +590,6 @@ def test_a_result_a_material_and_a_fit_as_tables_of_a_notebook():
     assert base64.b64decode(image.removesuffix('">')).startswith(b"\x89PNG")
     one = friction_curve(velocity=VELOCITY[:1])._repr_html_()
     assert "<img" not in one  # a point is no curve
-    rubber = em.Prony(1e6, np.full(20, 1e6), np.geomspace(1e-9, 1e-2, 20), name="a & b")
-    shown = rubber._repr_html_()
-    for row in (
-        "equilibrium</th>",
-        ">1e+06 Pa</td>",
-        "1e-09 to 0.01 (20 values) s",
-        "a &amp; b",
-        "poisson",
-    ):
-        assert row in shown
     swept = np.geomspace(1e-3, 0.5, 12)
     fit = em.fit.softening(
         {

@@ -388,7 +388,7 @@ def _column(option: str) -> tuple[str, str | int]:
 
 
 # what a scene cannot hold
-_OF_NO_SCENE = {"length", "offset", "gain"}
+_OF_NO_SCENE = {"gain"}
 _OF_LOAD = ("pressure", "load", "depth")
 # of a [surface], the parameter of each, and its size for one decade of that: C goes as
 # the heights squared

@@ -4,7 +4,6 @@ friction or rolling resistance: `em.fit.calibrate`.
 
 from __future__ import annotations
 
-import dataclasses
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -38,11 +37,10 @@ from ..files import as_path, write_files
 from ..material.prony import Prony
 from ..material.shift import WLF, Arrhenius
 from ..material.tabulated import needs_series
-from ..models import as_model
 from ..rough.adhesion import AdhesiveShear
 from ..surface.spectrum import AbstractSpectrum
 from ..trees import replaced
-from ..verbs.roads import KINDS, doubt_of, for_changes, hint_at_line, of_rough
+from ..verbs.roads import doubt_of, for_changes, hint_at_line, of_rough
 from .report import TWO_SIGMA, AbstractFindings, table_csv, tell
 
 if TYPE_CHECKING:
@@ -56,34 +54,25 @@ if TYPE_CHECKING:
 # What a calibration may adjust: parameters of a material, of a surface, of a shear law,
 # and of what turns one into a coefficient.
 #
-# All but `slope`, `cutoff` and `offset` are log10 of a factor, so that 0 leaves
-# everything as it is. The parameters of a surface act on its spectrum C(q): `q_high`
-# moves where it ends, C below stays as it was (beyond a table it goes on as its last
-# power law), `heights` scales all heights, `length` scales the length that turns a
-# pressure into a line load.
+# All but `slope` are log10 of a factor, so that 0 leaves everything as it is. The
+# parameters of a surface act on its spectrum C(q): `q_high` moves where it ends, C below
+# stays as it was (beyond a table it goes on as its last power law), `heights` scales all
+# heights.
 # --------------------------------------------------------------------------------------
 
 MEANINGS = {
     "modulus": "log10 of a factor on all moduli",
     "equilibrium": "log10 of a factor on the equilibrium modulus",
     "slope": "exponent s of a factor (tau/tau_middle)^s on the moduli of the spectrum",
-    "cutoff": (
-        "log10 of a time tau_c [s]; moduli of branches are divided by 1 + (tau_c/tau)^2"
-    ),
     "time": "log10 of a factor on all relaxation times",
     "c1": "log10 of a factor on the WLF constant c1",
     "c2": "log10 of a factor on the WLF constant c2",
     "q_high": "log10 of a factor on the upper cutoff of the surface's spectrum",
     "heights": "log10 of a factor on the heights of the surface",
-    "length": (
-        "log10 of a factor on equivalent_length of em.Line, the length that turns a "
-        "pressure into a line load"
-    ),
     "stress": "log10 of a factor on the largest stress of the shear law",
     "velocity": "log10 of a factor on the velocity of that stress",
     "width": "log10 of a factor on the width of the shear law",
     "energy": "log10 of a factor on the activation energy of the shear law",
-    "offset": "a constant added to the computed coefficient, such as adhesion",
     "gain": "log10 of a factor on the computed coefficient",
 }
 
@@ -101,8 +90,6 @@ _OF_LAW = ("stress", "velocity", "width", "energy")
 TYPICAL = (6e6, 5e-3, 0.1)  # stress [Pa], velocity [m/s], width
 _ENERGY, _ROOM = 9e4, 293.15  # [J/mol], [K]
 _SAME = 1.0  # of temperatures that are one [K]
-
-Change = Callable[[Prony, Any, dict[str, Any]], tuple[Prony, Any]]
 
 
 def check(
@@ -130,16 +117,6 @@ def check(
                 accepted="among those of the shear law in adhesion",
                 hint="energy needs an em.Arrhenius as its shift, width one above 0.",
             )
-    if "length" in names:
-        model = as_model(scene.get("model"), KINDS)
-        length = getattr(model, "equivalent_length", None)
-        if not isinstance(length, (int, float)):
-            raise InputError(
-                argument="model",
-                got=model,
-                accepted="em.Line(equivalent_length=...) for the parameter length",
-                hint="it is the number [m] to start from",
-            )
 
 
 def applied(
@@ -147,20 +124,13 @@ def applied(
     shape: Any,
     scene: Mapping[str, Any],
     values: dict[str, Any],
-    change: Change | None,
 ) -> tuple[Prony, Any, dict[str, Any]]:
     """Material, shape and scene with the parameters in them."""
-    if change is not None:
-        material, shape = change(material, shape, values)
     scene = dict(scene)
     if "q_high" in values:
         shape = shape.ended(shape.q_high * 10.0 ** values["q_high"])
     if "heights" in values:
         shape = shape.raised(10.0 ** values["heights"])
-    if "length" in values:
-        model: Any = as_model(scene["model"], KINDS)
-        length = model.equivalent_length * 10.0 ** values["length"]
-        scene["model"] = dataclasses.replace(model, equivalent_length=length)
     if set(_OF_LAW) & values.keys():
         scene["adhesion"] = _shear(scene["adhesion"], values)
     return _of_material(material, values), shape, scene
@@ -209,8 +179,6 @@ def _of_material(material: Prony, values: Mapping[str, float]) -> Prony:
     if "slope" in values and times.size:
         middle = np.exp(np.mean(np.log(times)))
         moduli = moduli * (times / middle) ** values["slope"]
-    if "cutoff" in values:
-        moduli = moduli / (1 + (factor["cutoff"] / times) ** 2)
     law = material.shift
     if isinstance(law, WLF):
         law = replaced(law, c1=law.c1 * factor["c1"], c2=law.c2 * factor["c2"])
@@ -359,7 +327,7 @@ class Calibration(AbstractFindings):
                 name,
                 (
                     f"{self.in_units(name)}   {value:.4g} +- "
-                    f"{TWO_SIGMA * self.std[name]:.2g} {MEANINGS.get(name, 'your own')}"
+                    f"{TWO_SIGMA * self.std[name]:.2g} {MEANINGS[name]}"
                 ),
             )
         if len(self.parameters) > 1:
@@ -459,7 +427,6 @@ def calibrate(
     quantity: Motion = "friction",
     error: ArrayLike | None = None,
     widths: Mapping[str, float] | None = None,
-    change: Change | None = None,
     draws: int = 0,
     seed: int = 0,
     **scene: Any,  # of either verb
@@ -477,18 +444,15 @@ def calibrate(
         velocity: sliding velocities [m/s].
         measured: measured coefficients, of the shape that the scene has.
         parameters: names from `elastomdr.fit.calibration.MEANINGS`, or a dict of names
-            and starting values (0 where none is given; the cutoff starts at the
-            shortest relaxation time). "shear" stands for stress, velocity, width and,
-            with several temperatures, energy of `adhesion`, or of a law that is typical
-            of dry treads.
+            and starting values (0 where none is given). "shear" stands for stress,
+            velocity, width and, with several temperatures, energy of `adhesion`, or of
+            a law that is typical of dry treads.
         quantity: "friction", or "rolling" for the resistance.
         error: standard deviation of a measurement, one number or one per point; by
             default estimated from the residuals.
         widths: standard deviations of the priors by parameter, where none is given
             those of published shear laws (stress and width .3, velocity 1.5, energy
             .15), and else 1.
-        change: `change(material, shape, values)` returns the material and the shape
-            that parameters of your own make.
         draws: number of draws of the parameters given the data, by importance sampling
             of whole calls, three for each; 0 for none.
         seed: of the draws.
@@ -512,7 +476,7 @@ def calibrate(
     whole_number("seed", seed, least=0)
     if not isinstance(parameters, str) and {SHEAR, *_OF_LAW} & set(parameters):
         scene |= _find_law(scene)
-    start = _start(material, parameters, change is not None, scene)
+    start = _start(material, parameters, scene)
     check(start, material, shape, scene)
     names = list(start)
     widths = _WIDTHS | dict(widths or {})
@@ -524,7 +488,7 @@ def calibrate(
         width_of = dict(zip(names, spread, strict=True))
         scene["model"] = _road_model(shape, scene, width_of)
     task = _Task(
-        _computer(material, shape, quantity, names, change, scene, data.shape),
+        _computer(material, shape, quantity, names, scene, data.shape),
         np.array(list(start.values())),
         spread,
         data,
@@ -533,7 +497,7 @@ def calibrate(
     )
     solution = _solve(task)
     values = dict(zip(names, solution.point.tolist(), strict=True))
-    changed, shape, scene = applied(material, shape, scene, values, change)
+    changed, shape, scene = applied(material, shape, scene, values)
     std = np.sqrt(np.diag(solution.covariance))
     drawn, counted = _draw(task, solution, draws, seed) if draws else (None, 1.0)
     places = {
@@ -812,7 +776,6 @@ def _solve(task: _Task) -> _Solution:
 def _start(
     material: Prony,
     parameters: Sequence[str] | Mapping[str, float],
-    own_model: bool,
     scene: Mapping[str, Any],
 ) -> dict[str, float]:
     """The parameters and where they start. Raises `InputError`."""
@@ -837,7 +800,7 @@ def _start(
             law = _parameters_of(scene["adhesion"])
             start |= {key: 0.0 for key in law if key != "energy" or several}
             continue
-        if name not in MEANINGS and not own_model:
+        if name not in MEANINGS:
             hint = closest(str(name), (SHEAR, *MEANINGS))
             raise InputError(
                 argument="parameters",
@@ -848,8 +811,6 @@ def _start(
         value = 0.0
         if isinstance(parameters, Mapping):
             value = parameters[name]
-        elif name == "cutoff":
-            value = float(np.log10(material.times[0])) if material.times.size else 0.0
         start[name] = float(as_float64(f"parameters[{name!r}]", value))
     return start
 
@@ -859,7 +820,6 @@ def _computer(
     shape: Indenter | Surface,
     quantity: Motion,
     names: list[str],
-    change: Change | None,
     scene: Mapping[str, Any],
     size: tuple[int, ...],
 ) -> Callable[[np.ndarray], np.ndarray]:
@@ -878,14 +838,13 @@ def _computer(
         values: dict[str, float] = dict(zip(names, p.tolist(), strict=True))
         if values.get("q_high", 0.0) < lowest:
             return np.full(size, np.nan)
-        body, form, rest = applied(material, shape, scene, values, change)
+        body, form, rest = applied(material, shape, scene, values)
         with quiet(ConvergenceWarning, ExtrapolationWarning, ModelWarning):
             if quantity == "friction":
                 result = friction(body, form, **rest).mu
             else:
                 result = rolling(body, form, **rest).coefficient
-        gain, offset = 10.0 ** values.get("gain", 0.0), values.get("offset", 0.0)
-        return np.asarray(result) * gain + offset
+        return np.asarray(result) * 10.0 ** values.get("gain", 0.0)
 
     def kept(p: np.ndarray) -> np.ndarray:
         key = p.tobytes()

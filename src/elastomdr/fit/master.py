@@ -67,7 +67,7 @@ if TYPE_CHECKING:
     from jaxtyping import Bool, Float, Int
     from matplotlib.axes import Axes
 
-    from .._types import ArrayLike, Kind, LawName, Number, Style
+    from .._types import ArrayLike, Kind, Number, Style
     from ..material.shift import VFT, WLF
     from ..results.plotting import Sketch
 
@@ -450,45 +450,6 @@ class MasterCurve(AbstractFindings):
         ends = self.temperature.min(), self.temperature.max()
         cold, warm = (round(float(x), TEMPERATURE_DIGITS) for x in ends)
         return (cold, warm) if cold < warm else (cold - 0.5, warm + 0.5)
-
-    def tabulated(
-        self,
-        *,
-        per_decade: int = 8,
-        law: LawName = "auto",
-        poisson: Number = 0.5,
-        name: str = "",
-        citation: str = "",
-    ) -> TabulatedModulus:
-        """The shifted data as a material for steady models of surfaces, averaged in
-        bands of log omega.
-
-        Args:
-            per_decade: bands per decade of frequency, from 1 to 100. A band without
-                data is left out.
-            law: the shift law, as for `em.fit.material`: "auto", "WLF", "Arrhenius",
-                "VFT", "table" or "none".
-            poisson: Poisson's ratio of the material, constant.
-            name: what tables and figures call it.
-            citation: where the data come from.
-
-        Returns:
-            A table of moduli of the kind of the data. Its `interpolation_error` is that
-            of the cubics between the bands; how far the data scatter about it is its
-            misfit (`elastomdr.material.validity.misfit`).
-
-        Raises `InputError` for relaxation data, or fewer than three bands with data.
-        """
-        check_law(law)
-        return tabulate(
-            self,
-            per_decade,
-            shift_law(self, law)[1],
-            vertical_law(self),
-            poisson,
-            name,
-            citation,
-        )
 
     def at_reference(self, temperature: float) -> "MasterCurve":
         """The same master curve about another reference temperature [K]."""

@@ -322,7 +322,7 @@ class MaterialFit(AbstractFindings):
 
     def tabulated(self, *, per_decade: int = 8) -> TabulatedModulus:
         """The data themselves as a material for surfaces, with the shift law of this
-        fit; see `MasterCurve.tabulated`.
+        fit, averaged in bands of log omega.
 
         Args:
             per_decade: bands per decade of frequency.

@@ -5,9 +5,6 @@ Listing the names reads no file and loads neither NumPy nor JAX.
 """
 
 import contextlib
-import functools
-import importlib.metadata
-import importlib.util
 import math
 import os
 from collections.abc import Iterator, Mapping
@@ -33,7 +30,6 @@ if TYPE_CHECKING:
     from .validity import Range
 
 SEARCH_VARIABLE = "ELASTOMDR_MATERIALS"
-ENTRY_POINTS = "elastomdr.materials"
 _MISFIT = ("omega", "storage_residual", "loss_residual")
 # the laws of a file, and their classes in `material/shift.py`
 SHIFT_LAWS = {
@@ -48,8 +44,8 @@ VERTICAL_LAWS = {"entropic": "EntropicVertical", "table": "VerticalTable"}
 
 
 def materials() -> list[str]:
-    """Names in the library, sorted: the package's own, those in `ELASTOMDR_MATERIALS`,
-    those of installed packages.
+    """Names in the library, sorted: the package's own, and those in the folders of
+    `ELASTOMDR_MATERIALS`.
     """
     return sorted(_files())
 
@@ -253,8 +249,8 @@ def _is_material(path: Path) -> bool:
 
 
 def _folders() -> list[Path]:
-    """Where the files of the library are: the package, the folders of the variable,
-    installed packages.
+    """Where the files of the library are: the package, and the folders of the
+    variable.
     """
     # where the wheel has them; a checkout has them at its root
     packaged = Path(__file__).parent / "data"
@@ -269,29 +265,7 @@ def _folders() -> list[Path]:
                 accepted="a list of directories that there are",
             )
         folders.append(Path(entry))
-    folders += _of_packages()
     return list(dict.fromkeys(folder.resolve() for folder in folders))
-
-
-@functools.cache
-def _of_packages() -> tuple[Path, ...]:
-    """Folders with materials that installed packages declare; looked for once, since
-    all packages are read for that.
-    """
-    folders: list[Path] = []
-    for point in importlib.metadata.entry_points(group=ENTRY_POINTS):
-        try:
-            spec = importlib.util.find_spec(point.module)
-        except ImportError:
-            spec = None
-        if spec is None or not spec.submodule_search_locations:
-            raise InputError(
-                argument=f"entry point {point.name!r} of {ENTRY_POINTS}",
-                got=point.value,
-                accepted="a package with TOML files",
-            )
-        folders += map(Path, spec.submodule_search_locations)
-    return tuple(folders)
 
 
 def _files() -> dict[str, list[Path]]:

@@ -105,7 +105,6 @@ UNITS: dict[str, Any] = {
     "thickness": "m",
     "time": "s",
     "times": "s",
-    "tolerance": _DIFFERENCE,
     "velocity": "m/s",
     "velocity_in": "m/s",
     "velocity_out": "m/s",
