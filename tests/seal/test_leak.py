@@ -309,6 +309,22 @@ def test_derivatives():
         )(3e5)
 
 
+@pytest.mark.parametrize("bits", [32, 64])
+@pytest.mark.parametrize("pressure", [3e5, 1e7])
+def test_derivatives_of_open_and_closed_channels_with_any_types(pressure, bits):
+    def leak(p):
+        return em.leak(RUBBER, ROUGH, **{**SCENE, "pressure": p})
+
+    step = 1e-4 * pressure
+    with jax.enable_x64(bits == 64):
+        for key in ("rate", "mean_gap", "area_ratio"):
+            slope = jax.grad(lambda p, key=key: getattr(leak(p), key))(pressure)
+            ends = [getattr(leak(pressure + h), key) for h in (step, -step)]
+            by_hand = (ends[0] - ends[1]) / (2 * step)
+            np.testing.assert_allclose(slope, by_hand, rtol=1e-4, atol=1e-12)
+    assert (leak(pressure).rate == 0) == (pressure == 1e7)
+
+
 def test_table_summary_and_figure(tmp_path):
     pressure, time = np.geomspace(1.1e5, 3e6, 5), np.array([[1.0], [1e4]])
     found = em.leak(

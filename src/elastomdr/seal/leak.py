@@ -697,7 +697,8 @@ def _report(
         "area_ratio": flow.area,
         "lifted": flow.lifted,
         "error": flow.error,
-        "model_error": model_error,
+        # that of closed channels, infinite, would make NaN of a zero cotangent
+        "model_error": stop_gradient(model_error),
         "knudsen": knudsen,
     }
     shape = good.shape
