@@ -115,9 +115,19 @@ def test_a_line_is_as_warm_as_multiscale_finds_it(curve):
     """Of temperatures by length scale the mean; a road takes its part of the heat."""
     by_scale = hot(model=em.Multiscale())
     np.testing.assert_allclose(curve.temperature_rise, by_scale.temperature_rise)
-    np.testing.assert_allclose(curve.heat_flux, by_scale.heat_flux)
+    power = curve.mu * curve.pressure * curve.velocity
+    np.testing.assert_allclose(curve.heat_flux, power, rtol=1e-12)  # its own
     cooler = hot(em.Heat(0.005, 5e4, road=(1.0, 2e6)))
     assert (cooler.road_share > 0).all()
+    power = cooler.mu * cooler.pressure * cooler.velocity
+    np.testing.assert_allclose(cooler.heat_flux, power * (1 - cooler.road_share))
+    # a rise that is off as the heat is: mu is off by as much of what the heat did to it
+    two = hot(model=em.Line(seeds=2), velocity=ASKED["velocity"][1])
+    share = two.heat_flux / by_scale.heat_flux[1] - 1
+    off = abs(two.mu - two.cold) * abs(share)
+    spread = 2 * two.lines.scatter
+    assert two.error > off + spread > spread
+    assert off > 0.01 * two.mu
     assert (cooler.temperature_rise < curve.temperature_rise).all()
 
 

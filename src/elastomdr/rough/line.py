@@ -32,7 +32,13 @@ from .local_modulus import Local
 from .periodic import Job, SolvedLine, solve_lines
 from .problem import RoughCall
 from .road_models import Multiscale
-from .surface import HOT, SOFTENING_LEFT_OUT, SurfacePlan, excited_beyond
+from .surface import (
+    HOT,
+    SOFTENING_LEFT_OUT,
+    SurfacePlan,
+    excited_beyond,
+    with_own_heat,
+)
 from .temperature_by_scale import Problem, Warm, warmed
 
 if TYPE_CHECKING:
@@ -162,9 +168,7 @@ def _judge(solver: _Solver, cold: Mean, warm: Warm | None) -> _LineAnswer:
         reduced = points.full(points.velocity).ravel() * factor
         vertical, value = hotter * np.ones(given.shape), scene.given * vertical
         mean = solver.mean(reduced, value / vertical)
-        power = points.full(points.velocity * points.value).ravel()
-        error = mean.error + abs(mean.mu) * warm.relative_error(power)
-        known = mean.good & warm.good
+        error, known = mean.error, mean.good & warm.good
     good = known & ~coarse_at(error, mean.mu)
     return _LineAnswer(
         mean, cold.mu, warm, reduced.reshape(points.shape), vertical, error, good
@@ -248,14 +252,14 @@ def _report(
         curve = dataclasses.replace(curve, pressure=pressure.reshape(points.shape))
     if warm is None:
         return curve
-    return dataclasses.replace(
+    curve = dataclasses.replace(
         curve,
         temperature_rise=field(warm.mean),
         cold=field(answer.cold),
-        heat_flux=field(warm.flux * (1 - warm.to_road)),
         road_share=field(warm.to_road),
         other_states=warm.several.reshape(points.shape),
     )
+    return with_own_heat(curve, warm)
 
 
 def _inputs(

@@ -238,6 +238,8 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
         curve = _with_adhesion(
             curve, adhesion, heat, scene, model, answer, strained, turned
         )
+    if answer.by_scale is not None and model.by_wave() is None:
+        curve = with_own_heat(curve, answer.by_scale)
     if scene.traced or curve.model_error is None:
         return curve
     wide = _judge(curve, model, answer, strained, turned)
@@ -296,9 +298,7 @@ def _heated(
         problem = problem._replace(local=local._replace(warmed=by_scale.warmed))
     heated = model.solve(problem)
     good = heated.good & answer.cold.good & by_scale.good
-    error = by_scale.error
-    if by_wave is None:
-        error = abs(heated.mu) * by_scale.relative_error(velocity * pressure)
+    error = by_scale.error if by_wave is not None else 0.0
     heated = heated._replace(error=heated.error + error, good=good)
     factor, _ = thermal_factors(foundation, temperature + by_scale.contact)
     reduced = scene.full(scene.velocity) * factor.reshape(scene.shape)
@@ -495,6 +495,27 @@ def _with_heat(
         cold=field(answer.cold.mu),
         heat_flux=field(by_scale.flux * (1 - by_scale.to_road)),
         road_share=None if heat.road is None else field(by_scale.to_road),
+    )
+
+
+def with_own_heat(curve: FrictionCurve, warm: Warm) -> FrictionCurve:
+    """The heat of a curve whose temperatures are those that the friction of Multiscale
+    makes: its own, with what the difference is worth in mu, to first order, as error.
+    """
+    assert curve.cold is not None
+    assert curve.pressure is not None
+    power = curve.velocity * curve.pressure
+    flux, of_mu, to_road = (
+        each.reshape(curve.mu.shape) for each in (warm.flux, warm.error, warm.to_road)
+    )
+    # of Multiscale
+    other = np.where(flux > 0, flux, np.nan) / power
+    share = np.nan_to_num(curve.mu / other, nan=1.0)
+    off = of_mu * share + abs(curve.mu - curve.cold) * abs(share - 1)
+    return dataclasses.replace(
+        curve,
+        heat_flux=curve.mu * power * (1 - to_road),
+        error=curve.error + off,
     )
 
 

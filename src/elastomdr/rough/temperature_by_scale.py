@@ -130,10 +130,6 @@ class Warm(NamedTuple):
         """The mean rise, 0 where there is none."""
         return np.where(self.good, self.mean, 0.0)
 
-    def relative_error(self, power: Array) -> Any:
-        """`error` over mu, from velocity times pressure."""
-        return self.error * power / np.where(self.flux > 0, self.flux, np.inf)
-
 
 class Conduction(NamedTuple):
     """Kernels of conduction at the nodes of a surface."""
