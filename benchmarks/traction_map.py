@@ -9,7 +9,7 @@ steady: in each step the rubber moves on by a cell, places stick where that need
 than mu p, and slip against the slip elsewhere. Normal and tangential loading do not
 influence each other, which is exact for nu = 1/2. Checks: Kalker's coefficients C_11 of
 a ball (3.40, 4.12, 5.20 at nu = 0, 1/4, 1/2, of the combined modulus 1/G = 1/(2 G_1) of
-a rigid and an elastic body), Carter's cylinder. Prints the tables of docs/accuracy.md.
+a rigid and an elastic body), Carter's cylinder. Prints the numbers of docs/accuracy.md.
 """
 
 import argparse
