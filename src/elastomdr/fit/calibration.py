@@ -37,6 +37,7 @@ from ..files import as_path, write_files
 from ..material.prony import Prony
 from ..material.shift import WLF, Arrhenius
 from ..material.tabulated import needs_series
+from ..results.axes import Label
 from ..rough.adhesion import AdhesiveShear
 from ..surface.spectrum import AbstractSpectrum
 from ..trees import replaced
@@ -395,7 +396,7 @@ class Calibration(AbstractFindings):
         from .drawing import draw_friction, sketch
 
         made = sketch(
-            ("Velocity [m/s]", "Coefficient [-]"),
+            (Label("Velocity", "m/s"), Label("Coefficient", "-")),
             "Measured, and as calibrated",
             ", ".join(
                 f"{name} {value:.3g}{unit}"

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..results.axes import Label
 from ..results.plotting import (
     FAINT,
     PALETTE,
@@ -46,7 +47,7 @@ class DrawnIsotherms(NamedTuple):
 
 
 def sketch(
-    labels: tuple[str, str],
+    labels: tuple[Label, Label],
     title: str,
     small: str = "",
     ax: Axes | None = None,
@@ -70,11 +71,14 @@ def of_moduli(
     """A figure of moduli over frequency, or over time, both logarithmic."""
     letter = "G" if kind == "shear" else "E"
     labels = (
-        r"Reduced angular frequency $\omega\,a_T$ [rad/s]",
-        f"Moduli {letter}', {letter}'' [Pa]",
+        Label(r"Reduced angular frequency $\omega\,a_T$", "rad/s"),
+        Label(f"Moduli {letter}', {letter}''", "Pa"),
     )
     if not dynamic:
-        labels = r"Reduced time $t/a_T$ [s]", f"Relaxation modulus {letter} [Pa]"
+        labels = (
+            Label(r"Reduced time $t/a_T$", "s"),
+            Label(f"Relaxation modulus {letter}", "Pa"),
+        )
     made = sketch(labels, title, small, ax, style)
     # before anything is drawn: changed later, limits are those of the data so far
     made.ax.set(xscale="log", yscale="log")

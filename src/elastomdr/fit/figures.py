@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..results.axes import Label
 from ..results.plotting import (
     INK,
     Across,
@@ -49,7 +50,7 @@ def draw_spectrum(
     them the relative residuals.
     """
     made = sketch(
-        ("Relaxation time [s]", "Modulus [Pa]"),
+        (Label("Relaxation time", "s"), Label("Modulus", "Pa")),
         f"Relaxation spectrum of {fit.material.name or 'the series'}",
         f"{fit.terms} terms, 95 % intervals",
         ax,
@@ -94,7 +95,7 @@ def draw_shifts(
     """
     vertical = ax is None and master.log10_b_std.max() >= _NO_VERTICAL
     made = sketch(
-        ("Temperature [°C]", r"Shift factor $\log_{10}\,a_T$ [-]"),
+        (Label("Temperature", "°C"), Label(r"Shift factor $\log_{10}\,a_T$", "-")),
         f"Shift factors about {celsius(master.reference)}",
         master.source,
         ax,
@@ -128,8 +129,8 @@ def draw_shifts(
         made.add(intervals(temperature, y - half, y + half, ax=lower))
         made.add(Dots(temperature, y, colour=BLUE, ax=lower))
         made.add(Across(y=0.0, colour="#cccccc", layer=0.0, ax=lower))
-        lower.set(xlabel=made.labels[0], ylabel=r"$\log_{10}\,b_T$ [-]")
-        made.labels[0] = ""
+        lower.set(xlabel=str(made.labels[0]), ylabel=r"$\log_{10}\,b_T$ [-]")
+        made.labels[0] = Label("")
     return made.finish()
 
 
@@ -145,7 +146,10 @@ def draw_cole_cole(
     letter = "G" if fit.kind == "shear" else "E"
     lifted = bool(np.abs(master.log10_b).max() > 1e-3)
     made = sketch(
-        (f"Storage modulus {letter}' [Pa]", f"Loss modulus {letter}'' [Pa]"),
+        (
+            Label(f"Storage modulus {letter}'", "Pa"),
+            Label(f"Loss modulus {letter}''", "Pa"),
+        ),
         "Cole-Cole",
         "line: Prony series" + ("; vertical shifts applied" if lifted else ""),
         ax,
@@ -171,7 +175,7 @@ def draw_van_gurp_palmen(
     angle = np.degrees(np.arctan2(master.dma.loss, master.dma.storage))
     letter = "G" if master.kind == "shear" else "E"
     made = sketch(
-        (f"Modulus |{letter}*| [Pa]", "Phase angle [°]"),
+        (Label(f"Modulus |{letter}*|", "Pa"), Label("Phase angle", "°")),
         "Van Gurp-Palmen",
         "as measured, no shift of any kind",
         ax,

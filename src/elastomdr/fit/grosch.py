@@ -23,6 +23,7 @@ from ..checks import (
     scalar,
 )
 from ..errors import InputError
+from ..results.axes import Label
 from .isotherms import TOLERANCE, alike, group
 from .laws import LawFit, fit_laws, locate
 from .report import TWO_SIGMA, AbstractFindings, shifts_in_words, tell
@@ -129,7 +130,10 @@ class FrictionMaster(AbstractFindings):
         from .drawing import DrawnIsotherms, celsius, draw_isotherms, sketch
 
         made = sketch(
-            (r"Reduced velocity $v\,a_T$ [m/s]", "Friction coefficient [-]"),
+            (
+                Label(r"Reduced velocity $v\,a_T$", "m/s"),
+                Label("Friction coefficient", "-"),
+            ),
             f"Measured friction shifted to {celsius(self.reference)}",
             ax=ax,
             style=style,

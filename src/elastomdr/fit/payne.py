@@ -25,6 +25,7 @@ from ..errors import InputError
 from ..files import as_path, write_files
 from ..io.data import Dma, lists
 from ..material.softening import Softening
+from ..results.axes import Label
 from ..trees import fill, static
 from .isotherms import group
 from .report import AbstractFindings, table_csv, tell
@@ -141,7 +142,10 @@ class SofteningFit(Softening):
         sweeps = self.sweeps
         plural = "s" * (sweeps.omega.size > 1)
         made = sketch(
-            ("Strain amplitude [%]", "Factor on the modulus of small strain [-]"),
+            (
+                Label("Strain amplitude", "%"),
+                Label("Factor on the modulus of small strain", "-"),
+            ),
             "Softening with strain",
             f"{sweeps.omega.size} sweep{plural}, {sweeps.strain.size} points",
             ax,

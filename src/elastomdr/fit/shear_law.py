@@ -24,6 +24,7 @@ from ..errors import InputError
 from ..files import as_path, write_files
 from ..io.data import MeasuredFriction
 from ..material.shift import GAS_CONSTANT, Arrhenius
+from ..results.axes import Label
 from ..results.curve import FrictionCurve
 from ..results.friction_law import gridded
 from ..rough.adhesion import AdhesiveShear
@@ -168,7 +169,7 @@ class AdhesionFit(AbstractFindings):
         low, high = (x / 1e6 for x in self.interval["stress"])
         stress = f"{self.parameters['stress'] / 1e6:.3g} MPa"
         made = sketch(
-            ("Sliding velocity [m/s]", "Friction coefficient [-]"),
+            (Label("Sliding velocity", "m/s"), Label("Friction coefficient", "-")),
             "Hysteresis and adhesive shear",
             f"stress {stress} ({low:.3g} to {high:.3g}, 95 %)",
             ax,

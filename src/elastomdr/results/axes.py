@@ -18,6 +18,16 @@ _MANY = 8  # curves over several parameters beyond which a figure shows some
 _NAMES = {"normal_force": "load", "force": "load", "load_per_length": "load"}
 
 
+class Label(NamedTuple):
+    """What stands at an axis of a figure."""
+
+    words: str
+    unit: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.words} [{self.unit}]" if self.unit else self.words
+
+
 class Quantity(NamedTuple):
     """What a field of numbers is."""
 
@@ -38,10 +48,10 @@ class Quantity(NamedTuple):
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     @property
-    def axis_label(self) -> str:
+    def axis_label(self) -> Label:
         words = self.axis or self.label
         unit = (self.shown or self.unit).replace("^2", "²").replace("^3", "³")
-        return f"{words[0].upper()}{words[1:]} [{unit}]"
+        return Label(f"{words[0].upper()}{words[1:]}", unit)
 
 
 class Axis(NamedTuple):

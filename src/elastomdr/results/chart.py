@@ -132,7 +132,7 @@ def _chart(ax: Axes) -> Chart | None:
     for mark, name in marks:
         named = (bool(mark.label) or mark.is_curve) and name not in shown
         shown |= {name} if named else set()
-        called = name or labels[1].rpartition(" [")[0]
+        called = name or labels[1]
         for trace in _traces(mark, together):
             about = {"type": "scatter", "name": called, "legendgroup": called}
             data.append(about | {"showlegend": named} | trace)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..checks import whole_number
-from .axes import Curve
+from .axes import Curve, Label
 from .plotting import (
     LOG_RATIO,
     PALETTE,
@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
 # largest over middle interval from which instants are taken as spread over decades
 _DECADES = 30.0
-WAVE_NUMBER = "Wave number q [rad/m]"
-SPECTRUM = "Spectrum C(q), <h²> = ∫C d²q [m⁴]"
+WAVE_NUMBER = Label("Wave number q", "rad/m")
+SPECTRUM = Label("Spectrum C(q), <h²> = ∫C d²q", "m⁴")
 _TOUCHING = "#c23b22"
 _NAMED = 4  # branches with a name in the figure of elements, those that carry most
 
@@ -100,7 +100,7 @@ def draw_indentation(result: Drawable, ask: DrawAsk) -> Axes:
         panel.set(
             xscale="log" if log else "linear",
             xlabel="Time [s]" if from_zero else "Time since the first instant [s]",
-            ylabel=sketch.about[key].axis_label,
+            ylabel=str(sketch.about[key].axis_label),
         )
     return sketch.finish()
 
@@ -178,7 +178,7 @@ def draw_surface(
     heights: tuple[np.ndarray, np.ndarray],
     spectrum: tuple[np.ndarray, np.ndarray],
     names: tuple[str, str],
-    label: str = SPECTRUM,
+    label: Label = SPECTRUM,
     axes: Sequence[Axes] | None = None,
 ) -> tuple[Axes, Axes]:
     """Draws heights over a line [m] (left) and a spectrum over wave numbers (right), on
@@ -196,7 +196,7 @@ def draw_surface(
     left.set(xlabel="Position on the line [mm]", ylabel="Height, into the rubber [µm]")
     look = {"color": PALETTE[0], "marker": "o" if spectrum[0].size < 40 else ""}
     right.loglog(*spectrum, markersize=4, **look)
-    right.set(xlabel=WAVE_NUMBER, ylabel=label)
+    right.set(xlabel=str(WAVE_NUMBER), ylabel=str(label))
     for ax, name in zip((left, right), names, strict=True):
         ax.set_title(name, loc="left", fontsize=10)
         frame(ax)

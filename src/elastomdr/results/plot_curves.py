@@ -11,7 +11,7 @@ import numpy as np
 
 from ..checks import as_float64, positive, require, significant
 from ..errors import InputError
-from .axes import Peak, peak
+from .axes import Label, Peak, peak
 from .doubts import found
 from .plotting import (
     FAINT,
@@ -445,7 +445,7 @@ def draw_ranking(
     ranking as bars; with each place its law and its number in the figure of the curve.
     """
     heading = f"Ranking at {where}".replace("degC", "°C")
-    names = "Sliding velocity [m/s]", "Friction coefficient [-]"
+    names = Label("Sliding velocity", "m/s"), Label("Friction coefficient", "-")
     entry = Entry(heading, heading, names, asked=DrawAsk(title=ask.title))
     sketch = Sketch(ask, entry, Panels(2, 1, heights=(1.6, 1.0)))
     bars = sketch.canvas.panels[1]
@@ -502,7 +502,9 @@ def draw_parts(parts: Mapping[str, np.ndarray], ask: DrawAsk) -> Axes:
     point, dark up to the smallest.
     """
     title = "What friction rests on"
-    entry = Entry(title, title, ("Share of the friction coefficient [%]", ""))
+    entry = Entry(
+        title, title, (Label("Share of the friction coefficient", "%"), Label(""))
+    )
     sketch, half = Sketch(ask, entry), np.full(2, 0.25)
     for i, (name, share) in enumerate(parts.items()):
         known = 100 * share[np.isfinite(share)]

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..checks import Array
 from ..errors import InputError
-from .axes import Axis, Curve, Quantity, few
+from .axes import Axis, Curve, Label, Quantity, few
 from .doubts import SHORT, Doubt
 from .words import in_unit
 
@@ -304,7 +304,7 @@ class Entry:
 
     heading: str
     title: str
-    labels: tuple[str, str]  # of the axes, for this alone
+    labels: tuple[Label, Label]  # of the axes, for this alone
     model: str = ""
     inputs: Mapping[str, str] = field(default_factory=dict)
     asked: DrawAsk = field(default_factory=DrawAsk)
@@ -394,7 +394,7 @@ class Sketch:
 
     def finish(self) -> Axes:
         """Labels, frames, title and legend of the axes; returns them."""
-        self.ax.set(xlabel=self.labels[0], ylabel=self.labels[1])
+        self.ax.set(xlabel=str(self.labels[0]), ylabel=str(self.labels[1]))
         for ax in {id(ax): ax for ax in (self.ax, *self.canvas.panels)}.values():
             frame(ax)
         self.canvas.entries.append(self.entry)
@@ -426,7 +426,7 @@ class ResultSketch(Sketch):
         x: str = "",
         y: str = "",
         panels: Panels | None = None,
-        labels: tuple[str, str] = ("", ""),
+        labels: tuple[Label, Label] | None = None,
     ):
         self.result = result
         self.fields = {q.key: values for q, values in result.fields(None).items()}
@@ -440,11 +440,11 @@ class ResultSketch(Sketch):
         )
         about = self.about[self.x] if self.along else self.axis.quantity
         self.x_unit = about.shown if about else ""
-        names = about.axis_label if about else self.axis.name.capitalize()
+        along = about.axis_label if about else Label(self.axis.name.capitalize())
         entry = Entry(
             result.heading(),
             result.title,
-            (labels[0] or names, labels[1] or self.about[self.y].axis_label),
+            labels or (along, self.about[self.y].axis_label),
             result.short_model(),
             dict(result.inputs),
             ask,
@@ -796,7 +796,7 @@ def _told_apart(entries: Sequence[Entry]) -> list[str]:
     """
     properties = [
         {
-            "shown": entry.labels[1].partition(" [")[0].lower(),
+            "shown": entry.labels[1].words.lower(),
             "material": "",
             **entry.inputs,
             "model": entry.model,
@@ -918,25 +918,18 @@ def _logarithmic_if_crowded(ax: Axes, x: np.ndarray) -> None:
             ax.set_xscale("log")
 
 
-def unit_of(label: str) -> str:
-    """The unit of an axis' label."""
-    return label.rpartition(" [")[2].rstrip("]") if label.endswith("]") else ""
-
-
-def _joined_label(labels: list[str]) -> str:
+def _joined_label(labels: list[Label]) -> Label:
     """The label of an axis along which there are several quantities of one unit. Raises
     `InputError` for several.
     """
     labels = list(dict.fromkeys(labels))
-    units = {unit_of(label) for label in labels}
-    if len(labels) > 1 and len(units) > 1:
+    if len({label.unit for label in labels}) > 1:
         raise InputError(
             argument="ax",
-            got=labels[0],
-            accepted=f"with the units of the result, {labels[-1]!r}",
+            got=str(labels[0]),
+            accepted=f"with the units of the result, {str(labels[-1])!r}",
             hint="draw it on axes of its own",
         )
-    (unit,) = units
-    words = [label.removesuffix(f" [{unit}]") for label in labels]
+    words = [label.words for label in labels]
     words[1:] = [word[0].lower() + word[1:] for word in words[1:]]
-    return ", ".join(words) + (f" [{unit}]" if unit else "")
+    return Label(", ".join(words), labels[0].unit)
