@@ -315,15 +315,6 @@ CASES = (
         why="lines of 16384 points and more",
     ),
     Case(
-        "line_contact: a road",
-        "em.line_contact(rubber, road.ended(1e5), velocity=x, pressure=3e5)",
-        many="0.1",
-        curve=ITERATES,
-        first=ITERATES,
-        traced=False,
-        why="a line of 16384 points and more",
-    ),
-    Case(
         "o_ring",
         "em.o_ring(rubber, 5e-3, x)",
         "pressure",

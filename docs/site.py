@@ -101,7 +101,6 @@ GROUPS = {
         "lubricated",
         "reciprocating",
         "friction_spectrum",
-        "line_contact",
         "press",
         "load_friction",
     ),

@@ -16,6 +16,7 @@ from the solver but a state to start the search for the periodic one with.
 from typing import NamedTuple
 
 import numpy as np
+from line_field import LineField
 from scipy.optimize import brentq
 
 import elastomdr as em
@@ -39,7 +40,7 @@ class Periodic(NamedTuple):
 
     mu: float
     depth: float
-    surface: np.ndarray  # u at the samples, in the order of `em.LineContact.surface`
+    surface: np.ndarray  # u at the samples, in the order of `LineField.surface`
     # what is left of the search: change over the period and error of the load, over the
     # load
     misfit: float
@@ -199,7 +200,7 @@ def _last_root(function, start: float, end: float, otherwise: float) -> float:
     )
 
 
-def periodic(law: em.Foundation, line: em.LineContact, velocity: float) -> Periodic:
+def periodic(law: em.Foundation, line: LineField, velocity: float) -> Periodic:
     """The periodic motion at the load of `line`, on its heights; the search begins with
     its state.
     """

@@ -8,12 +8,12 @@ contrasts up to 1e4; a quarter as many with 15 to 40 branches over 15 to 24 deca
 a tenth as many such on lines of 65,536 samples. The judge, `rough_march.py`, knows
 nothing of the solver: it marches one element from one event to the next, with no error
 but that of a line that is straight between its samples. Every scene is taken on four
-times and more as many samples as `em.line_contact` takes, until that error is a tenth
+times and more as many samples as `line_field` takes, until that error is a tenth
 of the error that is stated. Then
 
-- mu of `em.friction`, which chooses its own samples, and of `em.line_contact`
+- mu of `em.friction`, which chooses its own samples, and of `line_field`
   on each number of samples must agree with the march within the stated error;
-- the state that `em.line_contact` finds must come back after one exact period under the
+- the state that `line_field` finds must come back after one exact period under the
   load asked for, the rubber must not lie below the line, and what the load's work puts
   in the branches must dissipate. The solver's contact begins and ends within a step to
   second order, so that all three are off by as much, and four times the samples must
@@ -33,6 +33,7 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).parents[1]))
 from common import heading, save, table, verdict
+from line_field import LineField, line_field
 from rough_march import Periodic, branch_forces, periodic
 
 import elastomdr as em
@@ -53,7 +54,7 @@ _RIGHT = 0.01  # of mu: a number that is so near the truth must not be flagged
 class Level(NamedTuple):
     """A scene on some number of samples."""
 
-    line: em.LineContact
+    line: LineField
     true: Periodic
     breach: float  # of the conditions of contact, over the load or the depth
     away: float  # of the rubber's surface from the true one, over the depth
@@ -123,7 +124,7 @@ def _scene(rng: np.random.Generator, times: np.ndarray) -> Scene:
     )
 
 
-def dissipated(law: em.Foundation, velocity: float, line: em.LineContact) -> float:
+def dissipated(law: em.Foundation, velocity: float, line: LineField) -> float:
     """mu of a rubber surface that is straight between samples: what its branches turn
     into heat.
     """
@@ -158,10 +159,8 @@ def level(scene: Scene, samples: int | None) -> Level | None:
     did not converge.
     """
     law, velocity = scene.law, scene.motion["velocity"]
-    line = em.line_contact(
-        law, scene.surface, model=em.Line(samples=samples), **scene.motion
-    )
-    if not line.converged.all():
+    line = line_field(law, scene.surface, samples, **scene.motion)
+    if not line.converged:
         return None
     true = periodic(law, line, velocity)
     below = (line.height - line.surface).max() / line.depth
@@ -197,16 +196,11 @@ def flagged_though_right(scene: Scene) -> tuple[float, float, float]:
             rtol=1e-6,
             **scene.motion,
         )
-        line = em.line_contact(
-            scene.law,
-            scene.surface,
-            model=em.Line(samples=scene.samples),
-            **scene.motion,
-        )
+        line = line_field(scene.law, scene.surface, scene.samples, **scene.motion)
     finally:
         ensemble.SAMPLING = bound
     mu = float(curve.mu)
-    if not (curve.converged.all() and line.converged.all()):
+    if not (curve.converged.all() and line.converged):
         return mu, np.nan, np.nan
     levels = levels_of(scene, line.x.size, _RIGHT * abs(mu))
     return (
@@ -258,13 +252,8 @@ def main(scenes: int) -> None:
             rtol=1e-6,
             **scene.motion,
         )
-        first = em.line_contact(
-            scene.law,
-            scene.surface,
-            model=em.Line(samples=scene.samples),
-            **scene.motion,
-        )
-        if not (curve.converged.all() and first.converged.all()):
+        first = line_field(scene.law, scene.surface, scene.samples, **scene.motion)
+        if not (curve.converged.all() and first.converged):
             mu, truth, sure = flagged_though_right(scene)
             right = abs(mu - truth) <= _RIGHT * abs(truth) and sure <= _RIGHT * abs(
                 truth
@@ -295,7 +284,7 @@ def main(scenes: int) -> None:
         if away > error + sure:
             rows.append((number, family, branches, first.x.size, away / mu, error / mu))
         for each in filter(None, levels):
-            stated = float(each.line.error[0])
+            stated = each.line.error
             if sure <= _KNOWN * stated:
                 lines += 1
                 lines_outside += abs(each.line.mu - truth) > stated + sure
@@ -361,7 +350,7 @@ def main(scenes: int) -> None:
         ),
         verdict("mu outside its stated error", outside, 0.01 * len(drawn_scenes)),
         verdict(
-            f"the same of em.line_contact, on {lines} numbers of samples",
+            f"the same of line_field, on {lines} numbers of samples",
             lines_outside,
             0.01 * lines,
         ),

@@ -49,7 +49,6 @@ _HOMES = {
     "rough.heat": ("Heat",),
     "smooth.plan": ("Plan",),
     "verbs.friction": ("friction",),
-    "rough.line_contact": ("line_contact",),
     "rough.press": ("press",),
     "rough.friction_spectrum": ("friction_spectrum",),
     "verbs.rolling": ("rolling",),
@@ -83,7 +82,7 @@ _HOMES = {
     "transient.history_result": ("Slide", "Drive", "Shear", "ForceSpectrum"),
     "results.doubts": ("Doubt",),
     "results.friction_law": ("FrictionLaw", "load_friction"),
-    "rough.results": ("LineContact", "RoughContact"),
+    "rough.results": ("RoughContact",),
     "tyre.traction_result": ("Traction",),
 }
 _PACKAGES = {"fit": ".fit", "reference": ".reference", "elements": ".element.elements"}

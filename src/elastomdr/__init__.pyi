@@ -55,9 +55,7 @@ from .results.spectrum import FrictionSpectrum as FrictionSpectrum
 from .rough.adhesion import AdhesiveShear as AdhesiveShear
 from .rough.friction_spectrum import friction_spectrum as friction_spectrum
 from .rough.heat import Heat as Heat
-from .rough.line_contact import line_contact as line_contact
 from .rough.press import press as press
-from .rough.results import LineContact as LineContact
 from .rough.results import RoughContact as RoughContact
 from .rough.road_models import HalfSpace as HalfSpace
 from .rough.road_models import Multiscale as Multiscale

@@ -495,9 +495,6 @@ OUTSIDE = {
     "FrictionSpectrum": lambda m: em.friction_spectrum(
         m, WAVE, velocity=0.1, load=10.0, temperature=COLD
     ),
-    "LineContact": lambda m: em.line_contact(
-        m, WAVE, velocity=0.1, load=10.0, temperature=COLD
-    ),
     "RoughContact": lambda m: em.press(
         m, ROAD, pressure=[1e4, 1e5], model=em.Line(seeds=2, samples=1024)
     ),

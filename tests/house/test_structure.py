@@ -53,7 +53,6 @@ STEPS = {
     "rough/surface": "_check _plan _solve _judge _report",
     "rough/line": "_plan _judge _report",
     "rough/friction_spectrum": "_check _solve _report",
-    "rough/line_contact": "_check _report",
     "rough/press": "_check _judge _report",
     "transient/indent": "_check _solve _judge",
     "transient/impact": "_check _judge _report",

@@ -285,7 +285,6 @@ REFUSED = {
     "other": lambda m: em.half_space(RUBBER, m),
     "half_space": lambda m: em.half_space(m, RUBBER),
     "friction": lambda m: em.friction(m, BALL, velocity=1.0, load=1.0),
-    "line_contact": lambda m: em.line_contact(m, LINE, velocity=1.0, load=1.0),
     "rough line": lambda m: em.friction(m, LINE, velocity=1.0, load=1.0),
     "plan": lambda m: em.plan(m, BALL, velocity=1.0, load=1.0),
     "rolling": lambda m: em.rolling(m, BALL, velocity=1.0, load=1.0),

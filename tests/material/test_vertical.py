@@ -153,9 +153,6 @@ VERBS = {
     "bands": lambda m, **t: em.friction_spectrum(
         m, ROUGH, velocity=0.1, pressure=3e5, model=LINE, **t
     ),
-    "line_contact": lambda m, **t: em.line_contact(
-        m, ROUGH, velocity=0.1, pressure=3e5, model=LINE, rtol=1e-4, **t
-    ),
     "indent": lambda m, **t: em.indent(
         m, BALL, time=TIME, load=np.minimum(TIME * 200, 2.0), **t
     ),

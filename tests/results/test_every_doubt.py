@@ -102,9 +102,6 @@ CALLS: dict[str, list[tuple[str, Callable[[], Result]]]] = {
             lambda: em.friction_spectrum(SOLID, WAVE, velocity=0.1, load=10.0),
         ),
     ],
-    "LineContact": [
-        ("no prediction", lambda: em.line_contact(SOLID, WAVE, velocity=0.1, load=1.0)),
-    ],
     "RoughContact": [
         (
             "estimate, no prediction",
@@ -269,12 +266,12 @@ NEVER = {
     "extrapolated": set(BLIND),  # forces are given; a reference takes what it gets
     "illustrative": set(BLIND),
     "estimate": {  # no depth; a squeeze of at most a quarter
-        *("FrictionSpectrum", "LineContact", "ORing", "Reciprocating", *BLIND),
+        *("FrictionSpectrum", "ORing", "Reciprocating", *BLIND),
     },
     # between two ends; the references are what models are compared with
     "no prediction": {"ORing", "HalfPlaneCurve", "HalfSpaceCurve"},
     "bound": {  # no bound is established, or none is needed, or it is a quarter at most
-        *("Dissipation", "FrictionSpectrum", "LineContact", "RoughContact"),
+        *("Dissipation", "FrictionSpectrum", "RoughContact"),
         *("Indentation", "Impact", "Slide", "Drive", "ForceSpectrum", "Shear"),
         *("Conveyor", "HeatBuildUp", "Lubricated", "Reciprocating", *BLIND),
     },

@@ -465,7 +465,6 @@ def test_every_field_of_every_result_is_declared():
         "Indentation",
         "Slide",
         "Traction",
-        "LineContact",
         "HeatBuildUp",
         "FrictionSpectrum",
         "Leak",
@@ -550,7 +549,6 @@ OTHERS = {
     "HeatBuildUp.model_error": "K",
     "HeatBuildUp.load": "N",
     "RoughContact.conductance": "1/m",
-    "LineContact.force": "N/m",
     "Conveyor.resistance": "N/m",
     "Conveyor.power": "W/m",
 }

@@ -1,6 +1,5 @@
 """Rough lines: steady periodic sliding, the direction average, scene files."""
 
-import dataclasses
 import warnings
 
 import jax
@@ -117,35 +116,6 @@ def test_partial_contact_against_a_march():
     # the plain march does not know of bends in a step
     np.testing.assert_allclose(got.normal_force, load, rtol=1e-5)
     assert abs(heat - work) < got.error
-
-
-def test_contact_along_the_line():
-    line, one = rough(1024), em.Foundation(1e6, [2e7], [3e-4])
-    got = em.line_contact(
-        one, line, velocity=1.0, depth=2e-5, model=em.Line(samples=4096)
-    )
-    _, heat, load = march(line.finer(4), one, 1.0, 2e-5, 30)
-    np.testing.assert_allclose(got.force.mean(), load, rtol=1e-5)
-    np.testing.assert_allclose(got.height.max(), 2e-5, rtol=1e-12)
-    assert (got.force[got.touching] > 0).all()
-    assert (got.surface >= got.height).all()
-    np.testing.assert_array_equal(got.surface[got.touching], got.height[got.touching])
-    # The force on what moves to +x, by the slopes it meets: the rubber pushes back on
-    # the leading flanks.
-    slope = (np.roll(got.height, -1) - np.roll(got.height, 1)) / (
-        2 * (got.x[1] - got.x[0])
-    )
-    np.testing.assert_allclose(-(got.force * slope).mean() / load, heat, rtol=0.02)
-    assert "not the real contact" in got.summary()
-    assert got.csv().count("True") > got.touching.sum()
-    axes = got.plot()
-    assert len(axes.lines) == 4
-    failed = dataclasses.replace(
-        got, **{k: np.nan * getattr(got, k) for k in ("height", "surface", "force")}
-    )
-    assert len(failed.plot().lines) == 4
-    with refused("velocity", "single"):
-        em.line_contact(one, line, velocity=[1.0, 2.0], depth=2e-5)
 
 
 def test_pressure_by_the_rule_of_full_contact():

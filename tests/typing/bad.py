@@ -41,8 +41,6 @@ em.friction(rubber, ball, velocity=1.0, load=1.0, model="avaraged")  # pyright: 
 em.friction(rubber, ball, velocity=1.0, load=1.0, model=em.Line)  # pyright: ignore[reportArgumentType]  # the class of a model, not one
 em.friction(rubber, road, velocity=1.0, pressure=3e5, heat=0.2)  # pyright: ignore[reportArgumentType]  # no em.Heat
 em.rolling(rubber, road, velocity=1.0, load=1.0)  # pyright: ignore[reportArgumentType]  # a surface does not roll
-em.line_contact(rubber, road, velocity=[1.0, 2.0], pressure=3e5)  # pyright: ignore[reportArgumentType]  # one velocity
-em.line_contact(rubber, road, velocity=1.0, pressure=3e5, model="persson")  # pyright: ignore[reportArgumentType]  # a line has one model
 em.impact(rubber, ball, mass="10 g", velocity=1.0)  # pyright: ignore[reportArgumentType]  # a text
 em.indent(rubber, road, time=[0.0, 1.0], depth=[0.0, 1e-4])  # pyright: ignore[reportArgumentType]  # no body
 em.springs(ball, 1e-3)  # pyright: ignore[reportArgumentType]  # no material

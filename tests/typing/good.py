@@ -49,7 +49,6 @@ assert_type(em.impact([rubber, rubber], ball, mass=0.01, velocity=1.0), em.Impac
 assert_type(em.indent(rubber, ball, time=[0.0, 1.0], depth=[0.0, 1e-4]), em.Indentation)
 assert_type(em.slide(library, road.line(), time=[0.0, 1.0], position=[0.0, 1e-2], load=10.0), em.Slide)
 assert_type(em.traction(rubber, ball, velocity=1.0, creepage=[0.0, 0.1], friction=curve.law(), load=1.0), em.Traction)
-assert_type(em.line_contact(rubber, road, velocity=1.0, pressure=3e5, model=em.Line()), em.LineContact)
 em.drive(rubber, ball, time=[0.0, 1.0], position=[0.0, 1e-2], load=1.0, tangential=em.Mount(1.0, stiffness=1e3))
 em.plan(rubber, ball, velocity=1.0, load=1.0, model="line")
 em.reference.half_space_sliding(rubber, np.zeros((8, 8)), velocity=1.0, load=1.0, cell=(1e-3, 1e-3))

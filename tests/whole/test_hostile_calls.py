@@ -234,17 +234,6 @@ CALLS = {
         },
     ),
     "press": (em.press, {"material": SOLID, "surface": ROAD, "pressure": 1e5}),
-    "line_contact": (
-        em.line_contact,
-        {
-            "material": SOLID,
-            "surface": LINE,
-            "velocity": 0.1,
-            "load": 10.0,
-            "rtol": 0.1,
-            "model": em.Line(samples=64),
-        },
-    ),
     "leak": (
         em.leak,
         {

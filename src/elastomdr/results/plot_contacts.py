@@ -12,7 +12,6 @@ from ..checks import whole_number
 from .axes import Curve, Label
 from .plotting import (
     LOG_RATIO,
-    PALETTE,
     Drawable,
     DrawAsk,
     DrawnLine,
@@ -118,33 +117,6 @@ def _largest_in_words(sketch: ResultSketch) -> list[str]:
 
     force, depth = words("force", "load"), words("depth", "depth")
     return depth if sum(map(len, depth)) < sum(map(len, force)) else force
-
-
-def draw_line_contact(result: Drawable, ask: DrawAsk) -> Axes:
-    """Draws the line and the rubber's surface, with what touches in colour."""
-    sketch = ResultSketch(result, ask)
-    x, line, rubber = (
-        in_unit(sketch.fields[key], sketch.about[key].shown)
-        for key in ("x", "height", "surface")
-    )
-    touching = sketch.fields["touching"]
-    sketch.add(Trace(x, line, "rough line", colour="#8a8a8a", width=0.5))
-    sketch.add(Trace(x, rubber, "rubber", colour=PALETTE[0], width=0.6))
-    if touching.any():
-        label = "in contact"
-        if sketch.style.words:
-            share = f"{float(sketch.fields['share']):.1%}"
-            label += f", {share} of the line (not the real contact area)"
-        in_contact = np.where(touching, rubber, np.nan)
-        sketch.add(Trace(x, in_contact, label, colour=_TOUCHING, width=1.3))
-    known = [float(y) for y in (*line, *rubber) if np.isfinite(y)]
-    if known:
-        top = min(0.0, float(np.min(rubber, where=np.isfinite(rubber), initial=0.0)))
-        # the deepest valleys are far below the rubber
-        lowest = max(min(known), top - 1.5 * (max(known) - top))
-        sketch.ax.set_ylim(max(known) + 0.05 * (max(known) - lowest), lowest)
-    sketch.ax.set_xlim(x[0], x[-1])
-    return sketch.finish()
 
 
 def draw_rough_contact(

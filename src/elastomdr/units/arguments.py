@@ -140,7 +140,6 @@ _ELSEWHERE: dict[str, Any] = {
     "leak profile": ["m", "Pa"],
     "reciprocating profile": ["m", "Pa"],
     "reciprocating width": "m",
-    "line_contact load": "N/m",
     # logarithms and exponents, whatever their names are elsewhere
     "calibrate parameters": "",
     "calibrate widths": "",
