@@ -582,7 +582,7 @@ _NEAR_END = np.geomspace(0.1, 2.0, 7)  # wave numbers over q_high whose losses c
 class Felt(NamedTuple):
     """What the distance from three dimensions depends on beside the contact."""
 
-    ratio: Scalar  # q_high/q_low
+    ratio: Array | Scalar  # q_high/q_low
     contrast: Array  # |E*| at q_high v over that at q_low v
     # m, the rms of dlog(Im E*/|E*|^2)/dlog q over the waves about q_high: small for
     # rubber with a broad spectrum, 1 beyond the peak of a single relaxation
@@ -615,7 +615,7 @@ def bound_terms(label: str, of_area: bool) -> tuple[float, float, float]:
     return _AREA_BOUND if of_area else _BOUND[label]
 
 
-def shape_of_bound(area: Array, ratio: Scalar) -> Array:
+def shape_of_bound(area: Array, ratio: Array | Scalar) -> Array:
     """1 in light contact of a surface whose cutoffs are a factor of 8 apart; full
     contact is exact, and with few waves the form is further off.
     """
