@@ -831,7 +831,7 @@ def test_what_dominates_comes_first():
     said = f"{100 * best.before:.2g} %, then {100 * best.after:.2g} %."
     assert surer.notes[0].endswith(said)
     assert "rubber not known: not computed" in sure.notes
-    assert mentions(surer.notes, "Adhesion=")
+    assert mentions(surer.notes, "adhesion=")
     *_, sure, surer = cards(sheared(), sheared().uncertainty())
     assert sure.number.startswith("±")  # by the limits of mu
     assert mentions(sure.notes, "model", "limits of mu")
