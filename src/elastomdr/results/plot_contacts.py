@@ -12,6 +12,7 @@ from ..checks import whole_number
 from .axes import Curve, Label
 from .plotting import (
     LOG_RATIO,
+    PALETTE,
     Drawable,
     DrawAsk,
     DrawnLine,
