@@ -4,7 +4,6 @@ friction or rolling resistance: `em.fit.calibrate`.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -33,7 +32,6 @@ from ..errors import (
     quiet,
     warn,
 )
-from ..files import as_path, write_files
 from ..material.prony import Prony
 from ..material.shift import WLF, Arrhenius
 from ..material.tabulated import needs_series
@@ -42,7 +40,7 @@ from ..rough.adhesion import AdhesiveShear
 from ..surface.spectrum import AbstractSpectrum
 from ..trees import replaced
 from ..verbs.roads import doubt_of, for_changes, hint_at_line, of_rough
-from .report import TWO_SIGMA, AbstractFindings, table_csv, tell
+from .report import TWO_SIGMA, AbstractWithTable, table_csv, tell
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -222,7 +220,7 @@ _LEAST = 0.2  # part of a parameter in the least known direction from which it i
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Calibration(AbstractFindings):
+class Calibration(AbstractWithTable):
     """A calibrated material, shape and shear law, the parameters that make them, and how
     well they are known.
     """
@@ -373,10 +371,8 @@ class Calibration(AbstractFindings):
             if self.used[here].any():
                 yield celsius(float(level)), here
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the points, measured and computed, as comma-separated text, the
-        findings in header lines.
-        """
+    def csv(self) -> str:
+        """The points, measured and computed."""
         columns = {"velocity [m/s]": self.velocity.ravel()}
         if self.temperature is not None:
             columns["temperature [K]"] = self.temperature.ravel()
@@ -386,8 +382,7 @@ class Calibration(AbstractFindings):
             "residual [-]": self.residuals.ravel(),
             "used": self.used.ravel(),
         }
-        text = table_csv("calibration", self.findings(), columns, self.intervals)
-        write_files({as_path(path): text.encode()})
+        return table_csv("calibration", self.findings(), columns, self.intervals)
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
         """Draws what was measured over what is computed at the same points, in a style

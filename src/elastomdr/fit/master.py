@@ -4,7 +4,6 @@ as relaxation, the joint fit, the shift law and the table that a material carrie
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
@@ -40,7 +39,7 @@ from .isotherms import Isotherms, gathered, group, isotherms, refuse_exchanged
 from .laws import LawFit, given_law, law_about, words
 from .report import (
     TWO_SIGMA,
-    AbstractFindings,
+    AbstractWithTable,
     DynamicBand,
     RelaxationBand,
     dynamic_band,
@@ -362,7 +361,7 @@ def tabulate(
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MasterCurve(AbstractFindings):
+class MasterCurve(AbstractWithTable):
     """Isotherms shifted to one reference temperature: b_T M(omega; T) = M(omega a_T;
     T_ref).
 
@@ -577,13 +576,27 @@ class MasterCurve(AbstractFindings):
         for warning in self.warnings:
             yield "warning", warning
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the shifted data, one row per point, with the shifts in header lines
-        that start with "# ".
-        """
-        from ..files import as_path, write_files
-
-        write_files({as_path(path): master_csv(self).encode()})
+    def csv(self) -> str:
+        """Shifted data, one row per point, with the shifts in header lines."""
+        symbol = "G" if self.kind == "shear" else "E"
+        columns: dict[str, Any]
+        if self.omega.size:
+            order = np.argsort(self.omega, kind="stable")
+            columns = {
+                "reduced angular frequency [rad/s]": self.omega[order],
+                f"storage modulus {symbol}' times b_T [Pa]": self.storage[order],
+                f"loss modulus {symbol}'' times b_T [Pa]": self.loss[order],
+                "isotherm [K]": self.temperature[self.isotherm[order]],
+            }
+        else:
+            order = np.argsort(self.time, kind="stable")
+            columns = {
+                "reduced time [s]": self.time[order],
+                f"relaxation modulus {symbol} times b_T [Pa]": self.relaxation[order],
+                "isotherm [K]": self.temperature[self.time_isotherm[order]],
+            }
+        left_out = (("row left out", row) for row in self.dma.bad_rows)
+        return table_csv("MasterCurve", [*self.findings(), *left_out], columns)
 
 
 @in_si
@@ -707,31 +720,6 @@ def _assemble(
         joint=joint,
         state=state,
     )
-
-
-def master_csv(master: MasterCurve) -> str:
-    """Shifted data, one row per point, as comma-separated text with the shifts in
-    header lines.
-    """
-    symbol = "G" if master.kind == "shear" else "E"
-    columns: dict[str, Any]
-    if master.omega.size:
-        order = np.argsort(master.omega, kind="stable")
-        columns = {
-            "reduced angular frequency [rad/s]": master.omega[order],
-            f"storage modulus {symbol}' times b_T [Pa]": master.storage[order],
-            f"loss modulus {symbol}'' times b_T [Pa]": master.loss[order],
-            "isotherm [K]": master.temperature[master.isotherm[order]],
-        }
-    else:
-        order = np.argsort(master.time, kind="stable")
-        columns = {
-            "reduced time [s]": master.time[order],
-            f"relaxation modulus {symbol} times b_T [Pa]": master.relaxation[order],
-            "isotherm [K]": master.temperature[master.time_isotherm[order]],
-        }
-    left_out = (("row left out", row) for row in master.dma.bad_rows)
-    return table_csv("MasterCurve", [*master.findings(), *left_out], columns)
 
 
 def shifts_csv(master: MasterCurve) -> str:

@@ -22,13 +22,12 @@ from scipy.special import stdtrit
 
 from ..checks import as_float64, in_si, one_of, positive
 from ..errors import InputError
-from ..files import as_path, write_files
 from ..io.data import Dma, lists
 from ..material.softening import Softening
 from ..results.axes import Label
 from ..trees import fill, static
 from .isotherms import group
-from .report import AbstractFindings, table_csv, tell
+from .report import AbstractWithTable, table_csv, tell
 
 if TYPE_CHECKING:
     from jaxtyping import Float, Int
@@ -54,7 +53,7 @@ _FALLING, _SOFTENED, _UNCERTAIN, _APART = 0.1, 0.03, 0.25, 2.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sweeps(AbstractFindings):
+class Sweeps(AbstractWithTable):
     """What strain sweeps say of the factors: Kraus' constants with intervals, and each
     point about its own sweep.
     """
@@ -89,6 +88,17 @@ class Sweeps(AbstractFindings):
         yield "scatter", f"{self.error[0]:.2%} of storage, {self.error[1]:.2%} of loss"
         for warning in self.warnings:
             yield "warning", warning
+
+    def csv(self) -> str:
+        """Measured factors on both moduli, one row per point."""
+        columns = {
+            "strain amplitude [-]": self.strain,
+            "factor on storage modulus [-]": self.storage,
+            "factor on loss modulus [-]": self.loss,
+            "temperature [K]": self.temperature[self.number],
+            "angular frequency [rad/s]": self.omega[self.number],
+        }
+        return table_csv("strain softening", self.findings(), columns, self.intervals)
 
     def _spanned(self) -> str:
         return f"{100 * self.strain.min():.3g} to {100 * self.strain.max():.3g} %"
@@ -130,7 +140,7 @@ class SofteningFit(Softening):
         """Writes the measured factors as comma-separated text, the findings in header
         lines.
         """
-        write_files({as_path(path): softening_csv(self.sweeps).encode()})
+        self.sweeps.to_csv(path)
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
         """Draws the factors over strain with the measured points, in a style of
@@ -464,15 +474,3 @@ def _judge(data: _Data, p: np.ndarray, spread: np.ndarray) -> Iterator[str]:
             "on "
             "it."
         )
-
-
-def softening_csv(sweeps: Sweeps) -> str:
-    """Measured factors on both moduli, one row per point."""
-    columns = {
-        "strain amplitude [-]": sweeps.strain,
-        "factor on storage modulus [-]": sweeps.storage,
-        "factor on loss modulus [-]": sweeps.loss,
-        "temperature [K]": sweeps.temperature[sweeps.number],
-        "angular frequency [rad/s]": sweeps.omega[sweeps.number],
-    }
-    return table_csv("strain softening", sweeps.findings(), columns, sweeps.intervals)

@@ -44,7 +44,6 @@ from .master import (
     MasterCurve,
     check_dma,
     check_law,
-    master_csv,
     master_curve,
     rounded,
     shift_law,
@@ -60,7 +59,7 @@ from .report import (
     plain_card,
     tell,
 )
-from .series import PronyFit, prony, prony_csv
+from .series import PronyFit, prony
 from .shifting import LN10, moved, sensitivity
 from .spectrum import LOSS, STORAGE
 
@@ -477,9 +476,9 @@ class MaterialFit(AbstractFindings):
             save_material(self.material, path, info=self.info())
             content = {path.name: path.read_bytes()}
         texts = {
-            f"{stem}-master.csv": master_csv(self.master),
+            f"{stem}-master.csv": self.master.csv(),
             f"{stem}-shifts.csv": shifts_csv(self.master),
-            f"{stem}-prony.csv": prony_csv(self.prony),
+            f"{stem}-prony.csv": self.prony.csv(),
             f"{stem}-plain.csv": plain_card(self.material),
             f"{stem}-abaqus.inp": abaqus_card(self.material),
             f"{stem}-ansys.mac": ansys_card(self.material),

@@ -5,6 +5,7 @@ material cards for finite-element programs.
 from __future__ import annotations
 
 import abc
+import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
@@ -14,7 +15,7 @@ import numpy as np
 from .. import __version__
 from ..checks import as_float64, in_si, positive
 from ..errors import InputError, warn
-from ..files import csv_text, no_formula
+from ..files import as_path, csv_text, no_formula, write_files
 from ..io.data import FitWarning
 from ..material.prony import Prony
 from ..material.shift import VFT, WLF, Arrhenius
@@ -69,6 +70,20 @@ class AbstractFindings(abc.ABC):
         )
         plot = getattr(self, "plot", None)
         return table if plot is None else table + html_figure(plot(style="paper"))
+
+
+class AbstractWithTable(AbstractFindings):
+    """One that has a table."""
+
+    @abc.abstractmethod
+    def csv(self) -> str:
+        """The table as comma-separated text, the findings in header lines."""
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes the table, one row per point or term, as comma-separated text with the
+        findings in header lines that start with "# ".
+        """
+        write_files({as_path(path): self.csv().encode()})
 
 
 def shifts_in_words(

@@ -5,7 +5,6 @@ returns.
 from __future__ import annotations
 
 import itertools
-import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, Self
@@ -23,7 +22,7 @@ from .isotherms import alike
 from .master import MasterCurve
 from .report import (
     TWO_SIGMA,
-    AbstractFindings,
+    AbstractWithTable,
     DynamicBand,
     RelaxationBand,
     dynamic_band,
@@ -275,7 +274,7 @@ _INCOMPRESSIBLE = (
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PronyFit(AbstractFindings):
+class PronyFit(AbstractWithTable):
     """A Prony series through data, its distance from them, and the uncertainty of each
     number.
 
@@ -392,13 +391,26 @@ class PronyFit(AbstractFindings):
             else at_reference(self.joint, self.joint.shifts.temperature[0])
         )
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the series, one row per term, with residuals and warnings in header
-        lines that start with "# ".
+    def csv(self) -> str:
+        """The series with standard deviations, one row per term; the equilibrium
+        modulus has an infinite time.
         """
-        from ..files import as_path, write_files
-
-        write_files({as_path(path): prony_csv(self).encode()})
+        symbol = "G" if self.kind == "shear" else "E"
+        material = self.material
+        columns = {
+            "relaxation time [s]": [*np.asarray(material.times).tolist(), np.inf],
+            "standard deviation of it [s]": [*self.times_std.tolist(), 0.0],
+            f"modulus {symbol} [Pa]": [
+                *np.asarray(material.moduli).tolist(),
+                float(material.equilibrium),
+            ],
+            "standard deviation of modulus [Pa]": [
+                *self.moduli_std.tolist(),
+                self.equilibrium_std,
+            ],
+        }
+        told = [(name, text) for name, text in self.findings() if name != "term"]
+        return table_csv("Prony series", told, columns)
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
         """Draws data, series and band against frequency on `ax`, or on a new figure, in
@@ -795,26 +807,3 @@ def _smooth(points: MeasuredPoints) -> tuple[Joint, AtReference]:
         )
     joint = Joint(shifts, (), count, 1.0, shifts, 1.0)
     return joint, at_reference(joint, joint.shifts.temperature[0])
-
-
-def prony_csv(fit: PronyFit) -> str:
-    """The series with standard deviations, one row per term; the equilibrium modulus
-    has an infinite time.
-    """
-    symbol = "G" if fit.kind == "shear" else "E"
-    material = fit.material
-    columns = {
-        "relaxation time [s]": [*np.asarray(material.times).tolist(), np.inf],
-        "standard deviation of it [s]": [*fit.times_std.tolist(), 0.0],
-        f"modulus {symbol} [Pa]": [
-            *np.asarray(material.moduli).tolist(),
-            float(material.equilibrium),
-        ],
-        "standard deviation of modulus [Pa]": [
-            *fit.moduli_std.tolist(),
-            fit.equilibrium_std,
-        ],
-    }
-    return table_csv(
-        "Prony series", [(k, v) for k, v in fit.findings() if k != "term"], columns
-    )

@@ -12,7 +12,6 @@ squares has grown by Student's t^2.
 from __future__ import annotations
 
 import functools
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, TypeAlias
@@ -21,14 +20,13 @@ import numpy as np
 
 from ..checks import as_float64, in_si, plain, positive, require
 from ..errors import InputError
-from ..files import as_path, write_files
 from ..io.data import MeasuredFriction
 from ..material.shift import GAS_CONSTANT, Arrhenius
 from ..results.axes import Label
 from ..results.curve import FrictionCurve
 from ..results.friction_law import gridded
 from ..rough.adhesion import AdhesiveShear
-from .report import AbstractFindings, table_csv, tell
+from .report import AbstractWithTable, table_csv, tell
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float, Int
@@ -69,7 +67,7 @@ Curves: TypeAlias = FrictionCurve | Mapping[float, FrictionCurve]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AdhesionFit(AbstractFindings):
+class AdhesionFit(AbstractWithTable):
     """A shear law fitted to measured friction, its parameters with 95 % intervals, and
     both parts at each point.
     """
@@ -154,11 +152,22 @@ class AdhesionFit(AbstractFindings):
         for warning in self.warnings:
             yield "warning", warning
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the points with both parts as comma-separated text, the findings in
-        header lines.
-        """
-        write_files({as_path(path): adhesion_csv(self).encode()})
+    def csv(self) -> str:
+        """Measured points with both parts of the friction, one row per point."""
+        columns: dict[str, np.ndarray] = {"velocity [m/s]": self.velocity}
+        if self.temperature is not None:
+            columns["temperature [K]"] = self.temperature
+        if self.compound.any():
+            columns["compound"] = self.compound + 1
+        columns |= {
+            "measured friction coefficient [-]": self.measured,
+            "hysteresis [-]": self.hysteresis,
+            "adhesive shear [-]": self.adhesion,
+            "residual [-]": self.residuals,
+            "standard deviation of a measurement [-]": self.error,
+            "used": self.used,
+        }
+        return table_csv("adhesive shear", self.findings(), columns, self.intervals)
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
         """Draws measured friction with the fitted sum and hysteresis alone, in a style
@@ -189,11 +198,14 @@ class AdhesionFit(AbstractFindings):
 
 
 class _FittedPoints(NamedTuple):
-    """What is fitted: flat, points that count for nothing left out."""
+    """What is fitted, flat; `off` and all that is made of it leave out points that count
+    for nothing.
+    """
 
     log_v: np.ndarray  # log10 of the velocity
     warm: np.ndarray | None  # (1/T - 1/T_ref) 1e5/(R ln 10): decades per 100 kJ/mol
     mu: np.ndarray
+    used: np.ndarray  # whether a point counts
     parts: Parts
     cutoff: Ends | None  # of ln q
 
@@ -208,11 +220,21 @@ class _FittedPoints(NamedTuple):
 
     @property
     def limits(self) -> np.ndarray:
+        slow, fast = self.spanned()
         of_data = {
-            "velocity": (self.log_v.min() - _FAR, self.log_v.max() + _FAR),
+            "velocity": (slow - _FAR, fast + _FAR),
             "q_high": self.cutoff,
         }
         return np.array([(_LIMITS | of_data)[name] for name in self.names], dtype=float)
+
+    def spanned(self) -> Ends:
+        """The least and the largest log10 of the velocity."""
+        log_v = self.log_v[self.used]
+        return float(log_v.min()), float(log_v.max())
+
+    def off(self, p: np.ndarray, size: np.ndarray) -> np.ndarray:
+        """Model less measurement, over the error or what it is in proportion to."""
+        return (self.model(p) - self.mu)[self.used] / size
 
     def hysteresis(self, p: np.ndarray) -> np.ndarray:
         return self.parts(p[-1] if self.cutoff is not None else None)[0]
@@ -314,12 +336,12 @@ def adhesion(
         and np.ptp(temperature[used]) > _SAME
     ):
         warm = (1 / temperature - 1 / reference) * 1e5 / (GAS_CONSTANT * _LN10)
-    every = _FittedPoints(np.log10(data.velocity), warm, mu, *_between(computed))
-    points = _chosen(every, used)
-    if points.mu.size <= len(points.names):
+    points = _FittedPoints(np.log10(data.velocity), warm, mu, used, *_between(computed))
+    count = int(used.sum())
+    if count <= len(points.names):
         raise InputError(
             argument="measured",
-            got=int(points.mu.size),
+            got=count,
             accepted=f"more points with an answer than the {len(points.names)} "
             f"parameters, {', '.join(points.names)}",
         )
@@ -327,14 +349,14 @@ def adhesion(
     p, success = _search(points, size)
     for _ in range(2 if isinstance(error, str) else 0):
         # in proportion to the sum, not to its scatter
-        size = np.maximum(points.model(p), 0.05 * points.mu.max())
+        size = np.maximum(points.model(p)[used], 0.05 * mu[used].max())
         p, success = _descend(points, size, p)
     chi = _chi(points, p, size)
-    freedom = points.mu.size - p.size
+    freedom = count - p.size
     scale = 1.0 if known else np.sqrt(chi / freedom)
     bounds = _intervals(points, size, p, chi, scale, freedom, known)
     fit = _report(
-        every, data, computed, used, p, bounds, size * scale, reference, known, success
+        points, data, computed, p, bounds, size * scale, reference, known, success
     )
     tell(fit.warnings)
     return fit
@@ -506,17 +528,6 @@ def _between(computed: Mapping[float, _Computed]) -> tuple[Parts, Ends | None]:
     return parts, (float(np.log(q[0])), float(np.log(q[-1])))
 
 
-def _chosen(every: _FittedPoints, used: np.ndarray) -> _FittedPoints:
-    def parts(log_q: float | None) -> tuple[np.ndarray, np.ndarray]:
-        h, s = every.parts(log_q)
-        return h[used], s[used]
-
-    warm = None if every.warm is None else every.warm[used]
-    return every._replace(
-        log_v=every.log_v[used], warm=warm, mu=every.mu[used], parts=parts
-    )
-
-
 def _sizes(
     error: ArrayLike | str | None, data: _MeasuredFriction, used: np.ndarray
 ) -> tuple[bool, np.ndarray]:
@@ -548,23 +559,23 @@ def _sizes(
 
 
 def _chi(points: _FittedPoints, p: np.ndarray, size: np.ndarray) -> float:
-    return float((((points.mu - points.model(p)) / size) ** 2).sum())
+    return float((points.off(p, size) ** 2).sum())
 
 
 def _search(points: _FittedPoints, size: np.ndarray) -> tuple[np.ndarray, bool]:
     """Least squares from the best of many starts, in which the stress follows from all
     else.
     """
-    low, high = points.log_v.min() - 2.0, points.log_v.max() + 2.0
-    axes = [np.linspace(low, high, _PLACES), np.array(_WIDTHS)]
+    slow, fast = points.spanned()
+    axes = [np.linspace(slow - 2.0, fast + 2.0, _PLACES), np.array(_WIDTHS)]
     axes += [] if points.warm is None else [np.array(_ENERGIES)]
     axes += [] if points.cutoff is None else [np.linspace(*points.cutoff, _CUTOFFS)]
     starts = []
     for rest in np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, len(axes)):
         p = np.concatenate([[0.0], rest])
         h = points.hysteresis(p)
-        shape = (points.model(p) - h) / size
-        left = (points.mu - h) / size
+        shape = (points.model(p) - h)[points.used] / size
+        left = (points.mu - h)[points.used] / size
         stress = max(float(shape @ left) / max(float(shape @ shape), 1e-300), 1e3)
         starts.append((float(((left - stress * shape) ** 2).sum()), np.log(stress), p))
     starts.sort(key=lambda start: start[0])
@@ -591,7 +602,7 @@ def _descend(
         return parameters
 
     answer = least_squares(
-        lambda x: (points.model(whole(x)) - points.mu) / size,
+        lambda x: points.off(whole(x), size),
         np.clip(p[free], low + 1e-9, high - 1e-9),
         jac="3-point",
         bounds=(low, high),
@@ -623,7 +634,7 @@ def _intervals(
     )
     step = 1e-5
     columns = [points.model(p + h) - points.model(p - h) for h in step * np.eye(p.size)]
-    matrix = np.stack(columns, axis=-1) / (2 * step * size[:, None])
+    matrix = np.stack(columns, axis=-1)[points.used] / (2 * step * size[:, None])
     spread = (
         np.sqrt(np.maximum(np.diag(np.linalg.pinv(matrix.T @ matrix)), 0.0)) * scale
     )
@@ -714,7 +725,6 @@ def _report(
     points: _FittedPoints,
     data: _MeasuredFriction,
     computed: Mapping[float, _Computed],
-    used: np.ndarray,
     p: np.ndarray,
     bounds: list[Ends],
     size: np.ndarray,
@@ -732,7 +742,7 @@ def _report(
     )
     hysteresis, mu = points.hysteresis(p), points.model(p)
     error = np.full(points.mu.shape, np.nan)
-    error[used] = size
+    error[points.used] = size
     fit = AdhesionFit(
         law=law,
         q_high=values.get("q_high"),
@@ -744,15 +754,15 @@ def _report(
         hysteresis=hysteresis,
         adhesion=mu - hysteresis,
         residuals=points.mu - mu,
-        used=used,
-        error=np.where(used, error, np.nanmean(error)),
+        used=points.used,
+        error=np.where(points.used, error, np.nanmean(error)),
         reference=reference,
-        level=_level(points, computed, used, p, size),
+        level=_level(points, computed, p, size),
         compound=data.compound,
         converged=success,
         warnings=(),
     )
-    misfit = float(np.sqrt(np.mean((fit.residuals[used] / size) ** 2)))
+    misfit = float(np.sqrt(np.mean((fit.residuals[points.used] / size) ** 2)))
     return replace(
         fit, warnings=tuple(_judge(points, fit, estimate, misfit if known else 0.0))
     )
@@ -820,14 +830,13 @@ def _judge(
 def _level(
     every: _FittedPoints,
     computed: Mapping[float, _Computed],
-    used: np.ndarray,
     p: np.ndarray,
     size: np.ndarray,
 ) -> Ends | None:
     """The stress, all else held, where hysteresis is lower and higher by the bound of
     its model.
     """
-    off = next(iter(computed.values())).off
+    off, used = next(iter(computed.values())).off, every.used
     h = every.hysteresis(p)
     if len(computed) > 1 or not (
         np.isfinite(off[used]).all() and (off[used] > 0).any()
@@ -841,21 +850,3 @@ def _level(
         for side in (1, -1)
     )
     return float(np.exp(p[0]) * max(down, 0.0)), float(np.exp(p[0]) * up)
-
-
-def adhesion_csv(fit: AdhesionFit) -> str:
-    """Measured points with both parts of the friction, one row per point."""
-    columns: dict[str, np.ndarray] = {"velocity [m/s]": fit.velocity}
-    if fit.temperature is not None:
-        columns["temperature [K]"] = fit.temperature
-    if fit.compound.any():
-        columns["compound"] = fit.compound + 1
-    columns |= {
-        "measured friction coefficient [-]": fit.measured,
-        "hysteresis [-]": fit.hysteresis,
-        "adhesive shear [-]": fit.adhesion,
-        "residual [-]": fit.residuals,
-        "standard deviation of a measurement [-]": fit.error,
-        "used": fit.used,
-    }
-    return table_csv("adhesive shear", fit.findings(), columns, fit.intervals)

@@ -54,8 +54,8 @@ MOST_SHEAR = 1.0  # tau A/F_N above which the sum is no prediction (docs/rough.m
 # off, but what a shear law leaves out: contacts that shear changes, bonds that grow
 # in sliding and at rest
 KNOWN_AREA = 0.02
-# of a real contact under shear, at least (Sahli et al., PNAS 115 (2018) 471)
-KEPT = 0.7
+# of a real contact under shear, at most (Sahli et al., PNAS 115 (2018) 471)
+LOST = 0.3
 _SKEWED = 0.2  # of 1 - b/a: against 56 contacts in three dimensions (docs/accuracy.md)
 # relative error of an area of 64 by 64 cells about the contact, its border corrected
 _STAIRCASE = 0.01
@@ -268,7 +268,7 @@ class Known(NamedTuple):
         climbed, of_climbed, missed = hysteresis
         mu, numerical = climbed + added, of_climbed + added * error
         off = error + (0.0 if bound is None else bound)
-        kept = 1 - (1 - KEPT) * xp.minimum(added, MOST_SHEAR) ** 2
+        kept = 1 - LOST * xp.minimum(added, MOST_SHEAR) ** 2
         low = climbed - of_climbed - missed + added * xp.maximum(1 - off, 0.0) * kept
         low = xp.maximum(low, 0.0)
         room = xp.maximum(
