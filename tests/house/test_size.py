@@ -19,7 +19,7 @@ ROOMS = {
     "transient": 68,
     "rough": 59,
     "fit": 67,
-    "smooth": 49,
+    "smooth": 48,
     "seal": 41,
     "results": 41,
     "io": 37,

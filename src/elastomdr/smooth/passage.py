@@ -81,18 +81,17 @@ def solve_passages(
     control: Control,
     value: Float[Array, " points"],  # load [N] or depth [m]
     velocity: Float[Array, " points"],  # times a_T [m/s]
-    start: Passages | None = None,
 ) -> Passages:
     """Steady passages; under a transformation of JAX differentiable in the law, the
     shape, the load or depth, and the velocity.
 
-    The edges are sought to rounding, from those of `start` on where it is given. Under
-    a transformation they are sought in NumPy all the same; `error` is then zero.
+    The edges are sought to rounding. Under a transformation they are sought in NumPy
+    all the same; `error` is then zero.
     """
     lines = lines.refined(rule.strips)
     if on_numpy():
         p = Passage(law, lines, rule, velocity)
-        return _forces(*_edges(p, control, value, start))
+        return _forces(*_edges(p, control, value))
     law, lines, value, velocity = as_doubles((law, lines, value, velocity))
     shared = law, lines
     size = _size(rule, control)(shared, (value, velocity))
@@ -239,32 +238,23 @@ class _Edges(NamedTuple):
     converged: Array
 
 
-def _edges(
-    p: Passage, control: Control, value: Array, start: Passages | None = None
-) -> _Edges:
+def _edges(p: Passage, control: Control, value: Array) -> _Edges:
     """The passage with its table, contact sizes and trailing edges to rounding, and
     which points have them; on NumPy.
     """
     top = largest_size(p.lines, value)
-    by_depth = control == "depth"
-    ratio = np.full((p.lines.count, *value.shape), 0.8)
-    if start is not None and not start.converged.all():
-        start = None
-    if start is not None and isinstance(p.lines, SingleLine):
-        log_size, ratio = np.log(start.leading), (start.trailing / start.leading)[None]
-    else:
-        single = isinstance(p.lines, SingleLine)
-        log_size = value
-        if by_depth:
-            log_size = np.log(_size_of_depth(p.lines, value, top))
-        elif not single:
-            log_size = _first_guess(p, value, top)
-        if single and (p.rule.parabola or not by_depth):
-            log_size, ratio, converged = under_parabola(
-                p, log_size if by_depth else value, top, by_depth
-            )
-            if p.rule.parabola and converged.all():
-                return _Edges(p, np.exp(log_size), ratio, converged)
+    by_depth, single = control == "depth", isinstance(p.lines, SingleLine)
+    ratio, log_size = np.full((p.lines.count, *value.shape), 0.8), value
+    if by_depth:
+        log_size = np.log(_size_of_depth(p.lines, value, top))
+    elif not single:
+        log_size = _first_guess(p, value, top)
+    if single and (p.rule.parabola or not by_depth):
+        log_size, ratio, converged = under_parabola(
+            p, log_size if by_depth else value, top, by_depth
+        )
+        if p.rule.parabola and converged.all():
+            return _Edges(p, np.exp(log_size), ratio, converged)
     converged = np.zeros(value.shape, bool)
     for _ in range(_TABLES):
         p, before = tabulated(p, np.exp(log_size)), log_size

@@ -359,14 +359,7 @@ def _solve_new(
     new = (loads + 1j * velocities)[rows] != asked
     if new.any():
         load, velocity = load[new], velocity[new]
-        start = _between(loads, velocities, every, load, velocity)
-        known.append(
-            (
-                load,
-                velocity,
-                _solve(sweep, "load", load, velocity, start),
-            )
-        )
+        known.append((load, velocity, _solve(sweep, "load", load, velocity)))
         loads, velocities, every = _joined(known)
         rows = _place(asked, loads + 1j * velocities)
     return Passages(*(field[rows] for field in every))
@@ -388,49 +381,7 @@ def _joined(
     return np.concatenate(loads), np.concatenate(velocities), every
 
 
-def _between(
-    loads: Array, velocities: Array, known: Passages, load: Array, velocity: Array
-) -> Passages:
-    """Passages to begin a search with: both edges from passages at the same loads and
-    velocities nearby.
-    """
-    ratio = np.clip(known.trailing / known.leading, 1e-15, 1 - 4e-16)
-    leading, trailing, good = (
-        np.empty_like(load),
-        np.empty_like(load),
-        np.zeros(load.shape, bool),
-    )
-    for each in np.unique(load):
-        neighbours, here = (
-            np.flatnonzero((loads == each) & known.converged),
-            load == each,
-        )
-        if neighbours.size:
-            neighbours = neighbours[np.argsort(velocities[neighbours])]
-            log_velocity, log_known = (
-                np.log(velocity[here]),
-                np.log(velocities[neighbours]),
-            )
-            leading[here] = np.exp(
-                np.interp(log_velocity, log_known, np.log(known.leading[neighbours]))
-            )
-            share = np.interp(
-                log_velocity,
-                log_known,
-                np.log(ratio[neighbours] / (1 - ratio[neighbours])),
-            )
-            trailing[here], good[here] = leading[here] / (1 + np.exp(-share)), True
-    blank = np.full(load.shape, np.nan)
-    return Passages(blank, load, blank, blank, leading, trailing, blank, blank, good)
-
-
-def _solve(
-    sweep: _Sweep,
-    control: Control,
-    value: Array,
-    velocity: Array,
-    start: Passages | None = None,
-) -> Passages:
+def _solve(sweep: _Sweep, control: Control, value: Array, velocity: Array) -> Passages:
     """Passages as NumPy arrays, with the rules of the plan tried in turn where the
     error asks for it.
     """
@@ -442,16 +393,15 @@ def _solve(
         from .march import march_passages
 
         return march_passages(law, lines, control, value, velocity, max(wanted, 1e-9))
-    passages = _in_batches(law, lines, plan.rules[0], control, value, velocity, start)
+    passages = _in_batches(law, lines, plan.rules[0], control, value, velocity)
     for finer in plan.rules[1:]:
         left = passages.converged & ~(passages.error <= wanted * passages.mu)
         if not np.any(left):
             break
-        start = Passages(*(field[left] for field in passages))
         _put(
             passages,
             np.asarray(left),
-            _in_batches(law, lines, finer, control, value[left], velocity[left], start),
+            _in_batches(law, lines, finer, control, value[left], velocity[left]),
         )
     return passages
 
@@ -470,20 +420,15 @@ def _in_batches(
     control: Control,
     value: Array,
     velocity: Array,
-    start: Passages | None = None,
 ) -> Passages:
     """`solve_passages` for as many points at once as the memory is meant to hold."""
     most = batch_size(law, lines, rule)
     if velocity.size <= most:
-        return solve_passages(law, lines, rule, control, value, velocity, start)
-    parts = []
-    for batch in np.array_split(np.arange(velocity.size), -(-velocity.size // most)):
-        begun = None if start is None else Passages(*(field[batch] for field in start))
-        parts.append(
-            solve_passages(
-                law, lines, rule, control, value[batch], velocity[batch], begun
-            )
-        )
+        return solve_passages(law, lines, rule, control, value, velocity)
+    parts = [
+        solve_passages(law, lines, rule, control, value[batch], velocity[batch])
+        for batch in np.array_split(np.arange(velocity.size), -(-velocity.size // most))
+    ]
     return Passages(*(np.concatenate(field) for field in zip(*parts, strict=True)))
 
 
