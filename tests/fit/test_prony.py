@@ -232,7 +232,7 @@ def test_refusals():
             "range of frequencies",
         ),
         (lambda: em.fit.prony(), "omega must be two points"),
-        (lambda: em.fit.prony(OMEGA[:5], storage, loss), "as many entries as omega"),
+        (lambda: em.fit.prony(OMEGA[:5], storage, loss), "as long as omega"),
         (lambda: em.fit.prony(OMEGA, storage, -loss), "loss must be positive"),
         (
             lambda: em.fit.prony(OMEGA, storage, loss, terms=0),

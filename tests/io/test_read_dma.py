@@ -948,14 +948,14 @@ def test_arrays_and_joining(tmp_path):
         ),
         (
             lambda: em.fit.dma([1, 2], [1e6, 1e6], [1e5, -1], 293.15, kind="shear"),
-            r"loss .* got -1: it is entry 1",
+            r"loss must be positive .* got -1",
         ),
         (lambda: em.fit.dma([1.0], [1e6], [1e5], 293.15, kind="bulk"), "kind must be"),
         (
             lambda: em.fit.Dma(
                 np.full(3, 293.15), np.ones(3), np.ones(2), np.ones(3), "shear"
             ),
-            "3, got",
+            "storage must be a list",
         ),
         (
             lambda: em.fit.Dma(

@@ -315,7 +315,7 @@ def test_measured_points_take_the_colour_of_their_temperature():
     )
     for bad in (
         {"velocity": [1.0]},
-        {"velocity": [1.0], "mu": [1.0, 2.0]},
+        {"velocity": [1.0, 2.0, 3.0], "mu": [1.0, 2.0]},
         {"velocity": [-1.0], "mu": [1.0]},
         3.0,
     ):

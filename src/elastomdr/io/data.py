@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..checks import as_float64, in_kelvin, in_si, one_of, positive, scalar
+from ..checks import alike, as_float64, in_kelvin, in_si, one_of, positive, scalar
 from ..errors import InputError, advise
 from ..notebook_tables import html_table
 
@@ -83,7 +83,7 @@ class Dma:
             object.__setattr__(self, "strain", np.full(np.shape(self.omega), np.nan))
         for name in (*_OF_OMEGA, "relaxation", "time_temperature"):
             like = "omega" if name in _OF_OMEGA else "time"
-            _same(name, np.asarray(getattr(self, name)), like, getattr(self, like))
+            alike(0, {like: getattr(self, like), name: np.asarray(getattr(self, name))})
         for name in ("omega", "storage", "loss", "time", "relaxation"):
             if np.size(getattr(self, name)):
                 _positive(name, getattr(self, name))
@@ -222,8 +222,7 @@ def dma(
         _positive(n, v)
         for n, v in (("omega", omega), ("storage", storage), ("loss", loss))
     )
-    _same("storage", g1, "omega", omega)
-    _same("loss", g2, "omega", omega)
+    alike(1, {"omega": omega, "storage": g1, "loss": g2})
     return Dma(
         _temperatures(temperature, omega), omega, g1, g2, _kind(kind), source=source
     )
@@ -242,7 +241,7 @@ def relaxation(
     [K]; otherwise as `dma`.
     """
     t, g = _positive("time", time), _positive("modulus", modulus)
-    _same("modulus", g, "time", t)
+    alike(1, {"time": t, "modulus": g})
     temperatures = _temperatures(temperature, t)
     return Dma(
         _NONE,
@@ -355,28 +354,9 @@ def _kind(kind: Kind) -> Kind:
 
 def _positive(name: str, values: ArrayLike) -> np.ndarray:
     array = np.atleast_1d(as_float64(name, values))
-    if array.ndim != 1 or array.size == 0:
-        raise InputError(argument=name, got=array, accepted="a list of numbers")
-    good = np.isfinite(array) & (array > 0)
-    if not good.all():
-        i = int(np.argmin(good))
-        raise InputError(
-            argument=name,
-            got=float(array[i]),
-            accepted="positive and finite",
-            hint=f"it is entry {i}",
-        )
+    alike(1, {name: array})
+    positive(name, array)
     return array
-
-
-def _same(name: str, values: np.ndarray, other: str, others: np.ndarray) -> None:
-    if values.shape != others.shape:
-        raise InputError(
-            argument=name,
-            got=values,
-            accepted=f"a list of as many entries as {other}, {others.size}",
-            hint=f"it has {values.size}",
-        )
 
 
 def _temperatures(value: ArrayLike, like: np.ndarray) -> np.ndarray:
@@ -384,7 +364,7 @@ def _temperatures(value: ArrayLike, like: np.ndarray) -> np.ndarray:
     in_kelvin("temperature", array, COLDEST)
     if array.size == 1:
         return np.full(like.size, array[0])
-    _same("temperature", array, "omega", like)
+    alike(1, {"omega": like, "temperature": array})
     return array
 
 
@@ -543,13 +523,8 @@ def lists(names: Sequence[str], values: Sequence[ArrayLike | None]) -> list[np.n
         np.atleast_1d(as_float64(name, value))
         for name, value in zip(names, values, strict=True)
     ]
+    alike(0, dict(zip(names, arrays, strict=True)))
     for name, array in zip(names, arrays, strict=True):
-        if array.ndim != 1 or array.shape != arrays[0].shape:
-            raise InputError(
-                argument=name,
-                got=array,
-                accepted=f"a list with as many entries as {names[0]}",
-            )
         positive(name, array)
     return arrays
 

@@ -25,6 +25,7 @@ from .. import __version__
 from ..arrays import arrays, stop_gradient, xp
 from ..checks import (
     Array,
+    alike,
     as_float64,
     ascending,
     broadcast_shape,
@@ -132,10 +133,7 @@ class FrictionLaw(Tree):
             if value is not None
         }
         for name, values in axes.items():
-            if values.ndim != 1 or not values.size:
-                raise InputError(
-                    argument=name, got=values, accepted="a list of one value or more"
-                )
+            alike(1, {name: values})
             positive(name, values)
             ascending(name, values)
         fill(self, velocity=axes["velocity"], mu=as_float64("mu", mu))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from ..checks import as_float64, positive, require, significant
+from ..checks import as_float64, broadcast_shape, positive, require, significant
 from ..errors import InputError
 from .axes import Label, Peak, peak
 from .doubts import found
@@ -200,27 +200,16 @@ def as_measured(measured: Measured) -> dict[str, np.ndarray]:
             '"temperature" [K]',
         )
     points = {
-        name: np.atleast_1d(as_float64(f"measured {name}", values))
+        f"measured {name}": as_float64(f"measured {name}", values)
         for name, values in measured.items()
     }
-    positive("measured velocity", points["velocity"])
-    require("measured mu", points["mu"], "finite", np.isfinite)
-    try:
-        together = np.broadcast_arrays(*points.values())
-        sizes = [values.size for values in points.values() if values.ndim == 1]
-        # lists alone are columns of one table
-        same = len(sizes) < len(points) or len(set(sizes)) == 1
-    except ValueError:
-        together, same = [], False
-    if not same:
-        shapes = ", ".join(f"{name} {values.shape}" for name, values in points.items())
-        raise InputError(
-            argument="measured",
-            got=measured,
-            accepted="lists of the same length, or arrays that broadcast",
-            hint=shapes,
-        )
-    return {name: values.ravel() for name, values in zip(points, together, strict=True)}
+    positive("measured velocity", points["measured velocity"])
+    require("measured mu", points["measured mu"], "finite", np.isfinite)
+    shape = broadcast_shape(points)
+    return {
+        name: np.broadcast_to(points[f"measured {name}"], shape).ravel()
+        for name in measured
+    }
 
 
 def _draw_measured(
