@@ -13,6 +13,7 @@ steady states (`other_states`); a body that starts at T_a reaches the lowest.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
@@ -70,6 +71,17 @@ _SCAN_STEP, _HISTORY_STEP = 0.5, 0.2
 _STENCIL = 8
 # of the last Newton step, what it may leave: its slope is good to a few per cent
 _NEWTON_REMAINDER = 0.1
+# fields of the steady state that a history has at every instant
+_HELD = (
+    "velocity",
+    "load",
+    "ambient",
+    "conductance",
+    "steady",
+    "model_error",
+    "other_states",
+    "converged",
+)
 # times rtol of the rise, the error up to which a temperature is handed out
 _ACCEPTED_ERROR = 10
 
@@ -271,9 +283,10 @@ def heat_build_up(
         state = _solve(body, highest, ignored)
         if not is_traced(foundation, shape, given):
             _warn_of_failures(state.converged, highest)
+        steady = _at_rest(body, state, given)
         if heat is None:
-            return _without_history(body, state, given)
-        return _with_history(body, state, given, heat, time)
+            return steady
+        return _with_history(steady, body, state, heat, time)
 
 
 def _check(
@@ -381,9 +394,8 @@ def _warn_of_failures(converged: Array, highest: float) -> None:
         )
 
 
-def _without_history(
-    body: _Body, state: _SteadyState, given: _HeatGiven
-) -> HeatBuildUp:
+def _at_rest(body: _Body, state: _SteadyState, given: _HeatGiven) -> HeatBuildUp:
+    """The result of the steady state."""
     power = body.conductance * (state.temperature - body.ambient)
     return HeatBuildUp(
         velocity=body.velocity,
@@ -406,9 +418,9 @@ def _without_history(
 
 
 def _with_history(
+    steady: HeatBuildUp,
     body: _Body,
     state: _SteadyState,
-    given: _HeatGiven,
     heat: Array,
     time: ArrayLike | None,
 ) -> HeatBuildUp:
@@ -427,32 +439,22 @@ def _with_history(
     def over_time(values: Array) -> Any:
         return xp.broadcast_to(values[..., None], temperature.shape)
 
-    velocity, load = over_time(body.velocity), over_time(body.load)
-
     def since_start(points: Array) -> Any:
         # what was to be doubted once has heated all that follows
         return xp.moveaxis(xp.cumsum(points, axis=0) > 0, 0, -1)
 
-    return HeatBuildUp(
-        velocity=velocity,
-        load=load,
-        ambient=over_time(body.ambient),
-        conductance=over_time(body.conductance),
+    held = {name: over_time(getattr(steady, name)) for name in _HELD}
+    return dataclasses.replace(
+        steady,
+        **held,
         capacity=over_time(heat),
         settling=over_time(heat / state.stiffness),
-        steady=over_time(state.temperature),
         error=over_time(state.error) + error,
-        model_error=over_time(state.error) + xp.nan,
         temperature=temperature,
         power=power,
         time=xp.broadcast_to(instants, temperature.shape),
-        other_states=over_time(state.others),
-        converged=over_time(state.converged),
-        coefficient=power / (velocity * load),
+        coefficient=power / (held["velocity"] * held["load"]),
         marks=carried(way.examined(), since_start),
-        model=state.rolling.model,
-        plan=state.rolling.plan,
-        inputs=_inputs_in_words(way.inputs, given),
     )
 
 

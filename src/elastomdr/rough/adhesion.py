@@ -276,10 +276,9 @@ class Known(NamedTuple):
         )
         high = mu + of_climbed + missed + added * off
         high = high / xp.where(room > 0, room, xp.nan)
-        apart = xp.maximum(high - mu, mu - low) - numerical
+        apart = xp.maximum(xp.maximum(high - mu, mu - low) - numerical, 0.0)
         doubts = _unforetold(added, None if area_ratio is None else bound)
-        unknown = where(doubts, "no prediction")
-        apart = xp.where(unknown, xp.nan, xp.maximum(apart, 0.0))
+        apart = xp.where(where(doubts, "no prediction"), xp.nan, apart)
         return cls(numerical, low, high, apart, doubts)
 
 
