@@ -176,7 +176,7 @@ def gallery() -> str:
         ),
         (
             "Worked problems",
-            "[Ten problems](../problems.md) with closed forms, as scripts.",
+            "Ten scripts that end in a closed form or a limit.",
             [path for path in EXAMPLES if path.parent.name == "problems"],
         ),
     ):

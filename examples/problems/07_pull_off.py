@@ -9,9 +9,9 @@ Inputs: chosen here: E* = 1 MPa relaxed and 5 MPa glassy, tau = 1 s; work of adh
 all has relaxed, then drawn up at speeds from 1 pm/s to 1 mm/s.
 
 Check: as the edge alone is fast and the rest of the rubber relaxed, the ball pulls with
-JKR's force times the factor Gamma of its edge; ends are JKR's (3/2) pi w R and E_inf/E_0
+JKR's force times the factor Gamma of its edge; ends are JKR's (3/2) pi w R and E_0/E_inf
 times it. Gamma is solved again by hand: 1/Gamma = 1 - (1-k)(sqrt(1+b^2) - 1)/b with
-b = 2 pi v lambda/(a_0 Gamma), k = E_0/E_inf, lambda = tau/k (Persson & Brener 2005).
+b = 2 pi v lambda/(a_0 Gamma), k = E_inf/E_0, lambda = tau/k (Persson & Brener 2005).
 
     python examples/problems/07_pull_off.py [--out DIR]
 """
@@ -28,7 +28,7 @@ import elastomdr as em
 # m, J/m^2, m, Pa, Pa, s, m
 RADIUS, WORK, CUTOFF, RELAXED, BRANCH, TAU = 10e-3, 0.05, 1e-7, 1e6, 4e6, 1.0
 START = 5e-5
-GLASSY = (RELAXED + BRANCH) / RELAXED  # E_inf/E_0
+GLASSY = (RELAXED + BRANCH) / RELAXED  # E_0/E_inf
 JKR = 1.5 * np.pi * WORK * RADIUS
 
 
@@ -73,7 +73,7 @@ def main(out: Path) -> None:
     plt.close(figure)
 
     off = abs(pull / factor - 1)
-    print(f"check  pull over JKR {pull[0]:.3f} to {pull[-1]:.3f}, E_inf/E_0 {GLASSY:g}")
+    print(f"check  pull over JKR {pull[0]:.3f} to {pull[-1]:.3f}, E_0/E_inf {GLASSY:g}")
     print(f"check  pull off Gamma of its edge by {off.max():.1%} at most")
     assert np.isclose(pull[0], 1, atol=0.02), "slowly it is JKR's pull"
     assert np.isclose(pull[-1], GLASSY, rtol=0.02), "fast it is that of the glassy edge"

@@ -1,5 +1,5 @@
 """Every worked problem runs, passes the check it ends in, leaves its figure, and stands
-in the docs.
+in the gallery.
 
 A file of its own, so that another process can run it beside the examples.
 """
@@ -26,8 +26,6 @@ def test_says_what_it_teaches(path):
 
 
 @pytest.mark.parametrize("path", PROBLEMS, ids=lambda path: path.stem)
-def test_problem_is_in_the_docs(path):
-    docs = FOLDER.parent / "docs"
-    figure = f"figures/problems/{path.stem}.png"
-    assert figure in (docs / "problems.md").read_text(encoding="utf-8")
-    assert (docs / figure).is_file()
+def test_the_gallery_has_its_figure(path):
+    figures = FOLDER.parent / "docs" / "figures" / "problems"
+    assert (figures / f"{path.stem}.png").is_file()
