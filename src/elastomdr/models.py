@@ -67,9 +67,6 @@ class Averaged(Model):
     on_line: ClassVar[bool] = True
     over_directions: ClassVar[bool] = True
 
-    def __post_init__(self) -> None:
-        flag("corrected", self.corrected)
-
 
 @constructor_in_si
 @dataclasses.dataclass(frozen=True)
@@ -113,7 +110,6 @@ class Line(Model):
     on_line: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        flag("average", self.average)
         seeds_of(self.seeds)
 
 
@@ -141,10 +137,6 @@ class Marched(Averaged):
     average: bool = True
     label: ClassVar[str] = "marched"
     marched: ClassVar[bool] = True
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        flag("average", self.average)
 
     @property
     def over_directions(self) -> bool:  # type: ignore[override]
@@ -204,9 +196,3 @@ def seeds_of(seeds: int | Sequence[int]) -> tuple[int, ...]:
             "themselves, different whole numbers from 0 on",
         )
     return tuple(int(s) for s in each)
-
-
-def flag(name: str, value: object) -> None:
-    """Raises `InputError` unless a value is True or False."""
-    if not isinstance(value, bool):
-        raise InputError(argument=name, got=value, accepted="True or False")

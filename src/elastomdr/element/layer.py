@@ -21,8 +21,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..arrays import xp
 from ..checks import (
     Array,
@@ -84,8 +82,6 @@ class Layer(Tree):
                 got=material,
                 accepted="an em.Prony, or one made by em.load_material(...)",
             )
-        if not isinstance(bonded, (bool, np.bool_)):
-            raise InputError(argument="bonded", got=bonded, accepted="True or False")
         if other is not None and not isinstance(other, Layer):
             raise InputError(argument="other", got=other, accepted="an em.layer(...)")
         if other is not None and other.other is not None:

@@ -641,8 +641,6 @@ def master_curve(
     Source: `docs/fitting.md`.
     """
     check_dma(dma)
-    if not isinstance(vertical, (bool, np.bool_)):
-        raise InputError(argument="vertical", got=vertical, accepted="True or False")
     if temperature_error is not None:
         temperature_error = float(scalar("temperature_error", temperature_error))
         not_negative("temperature_error", temperature_error)

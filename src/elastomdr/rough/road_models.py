@@ -14,7 +14,7 @@ from ..checks import (
     whole_number,
 )
 from ..errors import InputError
-from ..models import flag, seeds_of
+from ..models import seeds_of
 from ..units.arguments import constructor_in_si
 from . import multiscale
 from .road_model import (
@@ -130,7 +130,6 @@ class Persson(_ClosedIntegrals):
     label: ClassVar[str] = "persson"
 
     def __post_init__(self) -> None:
-        flag("stored", self.stored)
         if (
             isinstance(self.gamma, bool)
             or not isinstance(self.gamma, (int, float))
