@@ -38,7 +38,7 @@ from ..results.base import Result, quantity, record
 from ..results.doubts import Doubt, carried
 from ..results.words import brief, describe, in_words
 from ..surface.shapes import Cylinder
-from ..trees import Tree, fill, static
+from ..trees import Tree, fill
 from ..verbs.rolling import rolling
 
 if TYPE_CHECKING:
@@ -195,7 +195,7 @@ class _ConveyorGiven(NamedTuple):
     temperature: Array | None
 
 
-class _Side(Tree):
+class _Side(NamedTuple):
     """One side of the belt, per length of it."""
 
     resistance: Any  # [N/m]
@@ -203,8 +203,8 @@ class _Side(Tree):
     model_error: Any  # bound on the model's, as of `em.rolling` [N/m]
     converged: Any
     marks: tuple[Doubt, ...]  # of any of its rolls
-    model: str = static()
-    plan: Any = static()
+    model: str
+    plan: Any
 
 
 @numpy_unless_traced
@@ -283,7 +283,7 @@ def conveyor(
         / weight,
         converged=converged,
         marks=carried((*loaded.marks, *empty.marks)),
-        model=loaded.model,
+        model="; ".join(dict.fromkeys((loaded.model, empty.model))),
         plan=loaded.plan,
         inputs=_inputs_in_words(carry, back, given),
     )
