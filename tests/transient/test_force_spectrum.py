@@ -66,9 +66,7 @@ def test_what_dies_out_is_in_the_error():
 
 
 def test_density_of_noise():
-    """White noise of variance s^2 has the density 2 s^2 dt; the window does not change
-    the mean square.
-    """
+    """White noise of variance s^2 has the density 2 s^2 dt."""
     noise = np.random.default_rng(2).normal(0, 3.0, 4001)
     found = motion(noise, np.linspace(0, 4, 4001)).spectrum()
     assert found.density.mean() == pytest.approx(2 * 9.0 * 1e-3, rel=0.05)

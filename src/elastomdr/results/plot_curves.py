@@ -32,7 +32,6 @@ from .plotting import (
     Trace,
     dotted,
     draw,
-    frame,
     in_short,
     intervals,
 )
@@ -398,14 +397,6 @@ def draw_friction_spectrum(
         sketch.ax.set_xlim(min(low, *limits), max(high, *limits))
     sketch.ax.set_ylim(0.0, None)
     return sketch.finish()
-
-
-def draw_density(result: Drawable, ask: DrawAsk) -> Axes:
-    """Draws the density of a force over frequency."""
-    ax = draw(result, ask, y="density")
-    ax.set_yscale("log")
-    frame(ax)
-    return ax
 
 
 def draw_amplitudes(result: Drawable, ask: DrawAsk) -> Axes:

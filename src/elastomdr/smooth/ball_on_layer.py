@@ -65,7 +65,6 @@ BARE = (
 )
 # of mu: how far below the bare line three dimensions lay at most on the map
 BARE_LINE = 0.5
-_FIRST, _NEARLY = 8, 1e-3  # with which edges are found about
 _ORDERS = (14, 20, 28, 40, 56)  # of the polynomials, tried in turn
 _TRACED = 28
 _SHARE = 0.5  # of what the lower order changes, that is left of it in the higher one
@@ -348,7 +347,7 @@ def _solve(
     close = 1e-2 * min(max(lines.rtol, 1e-9), 1e-4)
     for start in range(0, velocity.size, _AT_ONCE):
         here = np.arange(start, min(start + _AT_ONCE, velocity.size))
-        edges, slopes = _begun(lines.on, velocity[here], load[here], radius[here])
+        edges, slopes = (radius[here], radius[here]), None
         before, left = None, here
         for n in _ORDERS:
             on = lines.on._replace(order=n)
@@ -398,19 +397,6 @@ def _radius(lines: _Lines, velocity: Array, load: Array) -> Array:
         elastic = np.interp(load / stiffer, loads, places)
         radius = np.exp(0.5 * np.log(radius) + 0.5 * np.log(elastic))
     return radius
-
-
-def _begun(
-    on: Sliding, velocity: Array, load: Array, radius: Array
-) -> tuple[tuple[Array, Array], Array]:
-    """Both edges about, by few polynomials, and how the equations change with them."""
-    on = on._replace(order=_FIRST)
-    begun, slopes = slide_on_layer(
-        on, velocity, "load", load, (radius, radius), _NEARLY
-    )
-    reached = np.isfinite(begun.load)
-    leading = np.where(reached, begun.leading, radius)
-    return (leading, np.where(reached, begun.trailing, radius)), slopes
 
 
 def _with_neighbours(
@@ -568,8 +554,8 @@ def _with_slopes(
         velocity, load = points
         on, _ = _traced_line(layer_of(shared), shared[1])
         lines = _lines(layer_of(shared), shared[1], load, "load", _FLOOR)
-        begun, slopes = _begun(on, velocity, load, _radius(lines, velocity, load))
-        line = _with_neighbours(on, velocity, load, begun, _CLOSE, slopes)[0]
+        radius = _radius(lines, velocity, load)
+        line = _with_neighbours(on, velocity, load, (radius, radius), _CLOSE, None)[0]
         logs = np.log(np.stack([line.leading, line.trailing]))
         return np.where(line.converged, logs, np.nan), None
 

@@ -39,7 +39,6 @@ from ..results.words import covers_in_words, describe, significant
 from ..surface.shapes import Cylinder
 from ..trees import replaced
 from .cylinder_galerkin import (
-    USUAL,
     Cover,
     Cylinders,
     LayerWaves,
@@ -77,7 +76,6 @@ _ORDERS, _COARSE = (24, 48, 72, 108, 162, 243), 1e-4
 # reached
 _FLOOR = 1e-5
 _AT_ONCE = 64  # points whose matrices are made together, in the cache of a core
-_SMALL = 1e-4  # of the logarithm of the half-length, over which slopes are taken
 _TRACED_ORDER = 48  # terms of the pressure whose derivatives are taken
 _LOSS_RTOL = 1e-6  # of friction, with which the half-length is right to 1e-4
 _LOSS_ORDER = 64  # terms of the pressure whose losses are told by branch
@@ -371,9 +369,7 @@ def _half(by_depth: bool, dashpot: bool) -> Callable[..., Any]:
         flat = _cylinders(shared, velocity)
         waves = layer_waves(flat, _TRACED_RATIO)
         guess = _guess(flat, wanted, by_depth)
-        half, _ = half_of(
-            flat, wanted, by_depth, dashpot, waves, guess, USUAL, _TRACED_ORDER
-        )
+        half, _ = half_of(flat, wanted, by_depth, dashpot, waves, guess, _TRACED_ORDER)
         if waves is not None:
             served = 1.02 * _TRACED_RATIO * waves.thickness
             half = np.where(half < served, half, np.nan)
@@ -425,7 +421,6 @@ class _Search(NamedTuple):
     dashpot: bool
     waves: LayerWaves | None
     guess: Array  # half-length [m]
-    slope: Array | float = USUAL  # of the logarithms, `wanted` over the half-length
 
     def at(self, points: Array) -> _Search:
         """Those of the points that are listed or marked."""
@@ -433,13 +428,11 @@ class _Search(NamedTuple):
         if waves is not None:
             real, imaginary = waves.real[points], waves.imaginary[points]
             waves = replaced(waves, real=real, imaginary=imaginary)
-        slope = np.broadcast_to(self.slope, self.wanted.shape)[points]
         return self._replace(
             flat=replaced(self.flat, velocity=self.flat.velocity[points]),
             wanted=self.wanted[points],
             waves=waves,
             guess=self.guess[points],
-            slope=slope,
         )
 
 
@@ -529,13 +522,12 @@ def _by_orders(search: _Search, rtol: float) -> _Contacts:
     )
     left = np.arange(search.wanted.size)
     level = _level(search, _FIRST)
-    slope = _slope(search, level)
     orders = (_FIRST, *_ORDERS[0 if rtol >= _COARSE else 1 :])
     for lower, order in itertools.pairwise(orders):
         reached = np.isfinite(level.half)
         before = np.where(reached, level.contact.mu, np.nan)
         guess = np.where(reached, level.half, search.guess)
-        search = search._replace(guess=guess, slope=slope)
+        search = search._replace(guess=guess)
         level = _level(search, order)
         change = np.abs(level.contact.mu - before) / ((order / lower) ** _POWER - 1)
         contacts = _judge(search, order, level, change)
@@ -546,23 +538,7 @@ def _by_orders(search: _Search, rtol: float) -> _Contacts:
             break
         left, search = left[more], search.at(more)
         level = _Level(level.half[more], Solution(*(x[more] for x in level.contact)))
-        slope = search.slope
     return result
-
-
-def _slope(search: _Search, level: _Level) -> Array:
-    """How load or depth grows with the half-length, in logarithms."""
-    half = np.where(np.isfinite(level.half), level.half, search.guess)
-    values = []
-    for log in (-_SMALL, _SMALL):
-        nearby = np.exp(log) * half
-        contact = solve_at(search.flat, nearby, _FIRST, search.waves, search.dashpot)
-        values.append(
-            depth(search.flat, contact, _FIRST) if search.by_depth else contact.load
-        )
-    slope = np.log(np.maximum(values[1], 1e-300) / np.maximum(values[0], 1e-300))
-    slope = slope / (2 * _SMALL)
-    return np.where((slope > 0.1) & (slope < 10), slope, USUAL)
 
 
 def _met(contacts: _Contacts, rtol: float, radius: Array) -> Array:

@@ -49,7 +49,6 @@ from ..trees import Tree, replaced, static
 # are missed by more than the third, relatively
 _SMALL_STEPS, _MISSED = (1e-4, 1e-7), 3e-9
 
-USUAL = 1.5  # slope of load over half-length, in logarithms
 _BLOCK = 2**21  # numbers of one array of the waves of layers
 _DEEP = 18.0  # kh at which 1 - W has fallen to rounding
 _LAST = 81.0  # kL up to which waves count in the depth
@@ -237,12 +236,10 @@ def half_of(
     dashpot: bool,
     waves: LayerWaves | None,
     guess: Array,
-    slope: Array | float,
     order: int,
 ) -> tuple[Array, Solution]:
     """Half-length [m] at which load per length [N/m] or depth [m] is the one `wanted`,
-    NaN where none was found, and the contacts; on NumPy. `slope` is about that of the
-    logarithms.
+    NaN where none was found, and the contacts; on NumPy.
     """
     contact: Any = None
     miss: Any = None
@@ -256,7 +253,7 @@ def half_of(
 
     log, met = np.log(guess), False
     for close in _SMALL_STEPS:
-        log, met = search(residual, log, close, slope, longest=0.5)
+        log, met = search(residual, log, close, longest=0.5)
         if not (np.abs(miss) > _MISSED).any():
             break
     return np.where(met, np.exp(log), np.nan), contact

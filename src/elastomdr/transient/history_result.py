@@ -84,15 +84,13 @@ class _OverSurface(AbstractHistory):
             since: time [s] from which on the motion counts, so that its start is left
                 out; by default all of it.
             period: of the motion [s], such as the length of a periodic track over the
-                velocity. The spectrum is then of as many whole periods as there are
-                after `since`, and its lines have the amplitudes of the force's waves.
-                Without it the force is multiplied by a Hann window, and its density is
-                the quantity to read.
+                velocity: the spectrum is of as many whole periods as there are after
+                `since`. By default all of that time is taken as one.
 
         Returns:
             An `em.ForceSpectrum`. Its `error` is the difference of the amplitudes
-            between the first and the second half of that time, with a period, where it
-            has two or more; NaN else.
+            between the first and the second half of that time where it has two periods
+            or more; NaN else.
 
         Raises:
             InputError: unless the instants are evenly spaced, divide the period into
@@ -109,8 +107,7 @@ class ForceSpectrum(Result):
     `Drive.spectrum`.
 
     `density` is one-sided: its sum over the frequencies times their step is the mean
-    square of the force about its mean (with a window, divided by the window's mean
-    square).
+    square of the force about its mean.
     """
 
     frequency: Array = quantity("frequency", "Hz")
@@ -122,9 +119,9 @@ class ForceSpectrum(Result):
     )
     mean: float | Array = quantity("mean force", "N", dims="")
     per_length: bool = setting(default=False)
-    shows_density: bool = setting(default=False)  # whether a window was used
 
     title: ClassVar[str] = "Spectrum of a force"
+    figure: ClassVar[str] = "plot_curves.draw_amplitudes"
     across: ClassVar[str] = "frequency"
     shows: ClassVar[str] = "amplitude"
     error_of: ClassVar[str] = "the amplitude"
@@ -132,11 +129,6 @@ class ForceSpectrum(Result):
     last: ClassVar[str] = "frequency"
     from_zero: ClassVar[bool] = False
     coordinates: ClassVar[tuple[str, ...]] = ("frequency",)
-
-    def _figure(self) -> str:
-        """Amplitudes or, where a window was used, their density."""
-        drawn = "density" if self.shows_density else "amplitudes"
-        return f"plot_curves.draw_{drawn}"
 
     def describe(self, q: Quantity) -> Quantity:
         """Forces of a rough line are per metre of it."""
@@ -174,21 +166,16 @@ def force_spectrum(
     """`Slide.spectrum` and `Drive.spectrum`; see there."""
     later, values = _late(motion, force, since)
     time = np.asarray(motion.time)[later]
-    step, each, count = np.ptp(time) / (time.size - 1), 0, 0
-    if period is None:
-        values = values[:-1] if values.size % 2 else values
-        window = np.hanning(values.size + 1)[:-1]
-    else:
+    step, each, count = np.ptp(time) / (time.size - 1), time.size - 1, 1
+    if period is not None:
         each, count = _whole_periods(time, step, period)
-        values = values[values.size - 1 - count * each : -1]
-        window = np.ones(values.size)
-    amplitude, density = _waves(values, window, step)
+    values = values[values.size - 1 - count * each : -1]
+    amplitude, density = _waves(values, step)
     error = np.full(amplitude.shape, np.nan)
     if count > 1:
         half = (count // 2) * each
         first, second = (
-            _waves(segment, np.ones(half), step)[0]
-            for segment in (values[:half], values[-half:])
+            _waves(segment, step)[0] for segment in (values[:half], values[-half:])
         )
         stride = values.size / half  # of the frequencies that the halves have
         near = np.arange(1, amplitude.size + 1) / stride
@@ -197,7 +184,6 @@ def force_spectrum(
     def in_any(points: Array) -> Array:
         return np.full(amplitude.shape, np.asarray(points)[later].any())
 
-    kind = "of whole periods" if period is not None else "with a Hann window"
     return ForceSpectrum(
         frequency=np.fft.rfftfreq(values.size, step)[1:],
         amplitude=amplitude,
@@ -208,9 +194,8 @@ def force_spectrum(
         converged=np.ones(amplitude.size, bool),
         marks=carried(motion.examined(), in_any),
         per_length=motion.per_length,
-        shows_density=period is None,
         model=motion.model,
-        plan=f"Fourier transform {kind}, {values.size} instants",
+        plan=f"Fourier transform of {values.size} instants",
         inputs=(
             *motion.inputs,
             ("force", force.replace("_", " ")),
@@ -278,16 +263,12 @@ def _whole_periods(time: np.ndarray, step: float, period: float) -> tuple[int, i
     return each, count
 
 
-def _waves(
-    values: np.ndarray, window: np.ndarray, step: float
-) -> tuple[np.ndarray, np.ndarray]:
+def _waves(values: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
     """Amplitudes, and the one-sided density, of all frequencies but zero."""
     n = values.size
-    magnitude = np.abs(np.fft.rfft(window * (values - values.mean())))[1:]
+    magnitude = np.abs(np.fft.rfft(values - values.mean()))[1:]
     twice = np.where((np.arange(1, magnitude.size + 1) * 2 == n), 1.0, 2.0)
-    return twice * magnitude / window.sum(), twice * magnitude**2 * step / (
-        window**2
-    ).sum()
+    return twice * magnitude / n, twice * magnitude**2 * step / n
 
 
 @record
