@@ -825,7 +825,7 @@ def test_what_dominates_comes_first():
     *_, sure, surer = cards(result, table)
     i = result.mu.argmax()
     at_peak = table["road"].share[i]
-    assert sure.number == f"± {100 * table.band()[i]:.2g} %"
+    assert sure.number == f"± {100 * table.half_band()[i]:.2g} %"
     assert sure.notes[0].startswith(f"road {100 * at_peak:.2g} %: shortest wave")
     best = table.at([i]).surer()[0]
     said = f"{100 * best.before:.2g} %, then {100 * best.after:.2g} %."

@@ -4,6 +4,7 @@ runs; a tyre grips like one.
 
 import csv
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -113,6 +114,32 @@ def test_a_tyre_brakes_like_one(tmp_path):
         f"braking-traction-{t - 273.15:g}degC.tir" for t in np.unique(kelvin).round(2)
     }
     assert {path.name for path in tmp_path.glob("*.tir")} == said
+
+
+def test_what_friction_rests_on_stands_beside_it(tmp_path, capsys):
+    """What `curve.uncertainty()` is in Python, with its doubts."""
+    scene = fewer("slider.toml", 4, tmp_path)
+    assert main(["friction", str(scene), "--out", str(tmp_path), "--uncertainty"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    lines = (tmp_path / "slider-friction-uncertainty.csv").read_text().splitlines()
+    assert (tmp_path / "slider-friction-uncertainty.png").stat().st_size > 1e4
+    rows = [*csv.DictReader(line for line in lines if not line.startswith("#"))]
+    with warnings.catch_warnings(action="ignore"):
+        held = em.friction(
+            em.load_material("tread-passenger-synthetic"),
+            em.Sphere(5e-3),
+            load=10.0,
+            velocity=np.geomspace(1e-6, 10.0, 4),
+            temperature=293.15,
+        ).uncertainty()
+    assert {row["part"] for row in rows} == set(held.sources)
+    share = [float(row["share [-]"] or np.nan) for row in rows]
+    np.testing.assert_allclose(share, held.share.ravel(), rtol=1e-6, atol=1e-9)
+    assert all("illustrative" in row["doubts"] for row in rows)
+    assert any(line.startswith("# illustrative: 4 of 4") for line in lines)
+    i, j = np.unravel_index(np.nanargmax(held.share), held.share.shape)
+    most = next(line for line in said if "share" in line)
+    assert mentions(most, held.sources[i], f"{held.velocity.ravel()[j]:.3g}")
 
 
 def test_rolling_of_the_same_rubber_stands_beside_its_friction(tmp_path, capsys):

@@ -344,7 +344,7 @@ class TestUncertainty:
         bounds = sum(found[name].share for name in names)
         rest = [p.share for p in found if p.source not in (*names, "rubber")]
         band = bounds + np.sqrt(np.sum(np.square(rest), axis=0))
-        np.testing.assert_allclose(found.band(), band, rtol=1e-12)
+        np.testing.assert_allclose(found.half_band(), band, rtol=1e-12)
         *known, last = found.surer()
         assert "draws" in last.test  # what is not known comes last
         assert np.isnan(last.after)
@@ -366,8 +366,8 @@ class TestUncertainty:
             assert name == part.source + " (not known)" * int(unknown)
         ends = [c.get_paths()[0].vertices[:, 0].max() for c in ax.collections]
         for part in found:
-            if np.isfinite(part.largest):
-                assert np.isclose(ends, 100 * part.largest).any()
+            if np.isfinite(part.share.max()):
+                assert np.isclose(ends, 100 * part.share.max()).any()
 
     def test_limits_of_mu_are_the_share_of_the_model_where_it_has_no_bound(self):
         """No bound is not a small one."""
@@ -382,7 +382,7 @@ class TestUncertainty:
         bare = dataclasses.replace(curve, mu_low=None, mu_high=None)
         found = bare.uncertainty()
         np.testing.assert_array_equal(np.isnan(found["model"].share), lost)
-        np.testing.assert_array_equal(np.isnan(found.band()), lost)
+        np.testing.assert_array_equal(np.isnan(found.half_band()), lost)
         assert mentions(found["model"].words(), "where it is known")
 
     def test_draws_are_the_part_of_the_rubber(self):

@@ -1,12 +1,15 @@
 """What a friction law does not know stays told, through files and into traction."""
 
+import csv
+
 import numpy as np
 import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError, written
-from elastomdr.results.doubts import Doubt, where
-from elastomdr.results.uncertainty import Part, Uncertainty
+from elastomdr.results.doubts import Doubt, carried, found, from_kinds, where
+
+from ..refused import mentions
 
 HOLED = em.FrictionLaw(
     [0.01, 1.0, 100.0],
@@ -79,13 +82,53 @@ def test_a_curve_in_place_of_its_law():
     assert ".law()" in caught.value.hint
 
 
-def test_a_band_has_the_doubts_of_its_friction():
-    share = np.array([0.1, 0.2])
-    bounds = [Part(name, share, "", "", share) for name in ("numerical", "model")]
-    held = Uncertainty(tuple(bounds), (Doubt("illustrative", np.array([False, True])),))
-    assert held.at([1]).doubts[0].points.tolist() == [True]
-    assert held.at([0]).doubts == ()
-    assert "illustrative" in held.summary()
+@pytest.mark.filterwarnings("ignore::elastomdr.ExtrapolationWarning")
+def test_what_friction_rests_on_is_a_result_with_its_doubts(tmp_path):
+    """A row for each part of each point, in every form; read back with its doubts."""
+    tread = em.Prony(1e6, [4e6, 8e6], [1e-3, 1e-5], range={"omega": (1e-2, 1e4)})
+    road = em.SelfAffine(0.8, 0.7, q_low=1e3, q_high=1e5)
+    curve = em.friction(
+        tread, road, velocity=[[1e-3], [10.0]], pressure=[1e5, 3e5, 5e5]
+    )
+    held = curve.uncertainty()
+    assert held.doubts == curve.doubts
+    assert {doubt.kind for doubt in held.doubts} >= {"extrapolated"}
+    frame, known = held.to_pandas(), held.to_xarray()
+    held.to_csv(tmp_path / "held.csv")
+    held.to_excel(tmp_path / "held.xlsx")
+    text = (tmp_path / "held.csv").read_text("utf-8").splitlines()
+    rows = [*csv.DictReader(line for line in text if not line.startswith("#"))]
+    assert [row["part"] for row in rows] == frame["part"].tolist()
+    np.testing.assert_array_equal(held.to_dict()["share"], held.share)
+    half = held.half_band()
+    for i, part in enumerate(held):
+        of_part = [row for row in rows if row["part"] == part.source]
+        for name, values in (
+            ("velocity [m/s]", curve.velocity),
+            ("friction coefficient [-]", curve.mu),
+            ("share [-]", part.share),
+            ("half of the band [-]", half),
+        ):
+            read = [float(row[name] or np.nan) for row in of_part]
+            np.testing.assert_array_equal(read, np.broadcast_to(values, (2, 3)).ravel())
+        back = from_kinds([row["doubts"] for row in of_part], text)
+        assert back == carried(held.doubts, np.ravel)
+        at = known["share"].sel(part=part.source, velocity=10.0, pressure=3e5)
+        np.testing.assert_array_equal(at, held.share[i, 1, 1])
+    one = held.at([4])  # the same point, of the raveled curve
+    np.testing.assert_array_equal(one.share[:, 0], held.share[:, 1, 1])
+    assert one.doubts == found(carried(held.doubts, lambda at: np.ravel(at)[[4]]))
+    assert all(mentions(held.summary(), doubt.kind) for doubt in held.doubts)
+
+
+def test_of_rubber_of_one_temperature_that_is_not_known():
+    scene = {"velocity": 1.0, "pressure": 3e5}
+    road = em.SelfAffine(0.8, 0.7, q_low=1e3, q_high=1e5)
+    held = em.friction(em.Prony(1e6, [4e6], [1e-3]), road, **scene).uncertainty()
+    assert np.isnan(held["temperature"].share)
+    tests = [each.test for each in held.surer() if np.isnan(each.after)]
+    assert held["temperature"].test in tests
+    assert mentions(held["temperature"].test, "DMA")
 
 
 def test_a_class_of_models_is_written():

@@ -488,7 +488,7 @@ def test_every_field_of_every_result_is_declared():
 
 UNITS = {  # of each quantity, whatever the result
     "-": (
-        "adhesion area area_ratio asperity asperity_share boundary coefficient cold "
+        "adhesion after area area_ratio asperity asperity_share boundary coefficient cold "
         "creepage error fill friction hysteresis knudsen linear model_error mu mu_high mu_low outside "
         "ratio restitution road_share rolling rubber share slip spread squeeze stick strain "
         "trapped_error trapped_share viscous work_factor zone_ratio"

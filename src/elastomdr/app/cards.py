@@ -15,7 +15,7 @@ from ..checks import significant
 from ..errors import InputError
 from ..results.axes import Axis, Curve, peak
 from ..results.base import Result
-from ..results.curve import FITTED, AbstractCurve, Ranking
+from ..results.curve import AbstractCurve, Ranking
 from ..results.uncertainty import SMALL, Uncertainty, computed, percent
 from ..results.words import in_words
 from .scene import CancelledError, Done
@@ -117,15 +117,16 @@ def cards(
         shown.append(Card(f"And {more} more {curve}", "", notes))
     table = _known(result) if parts is None else parts
     table = table.at([top.place_in_result for top in tops])
-    order = sorted(table, key=lambda part: -np.nan_to_num(part.largest, nan=-1.0))
-    notes = [f"{p.source} {percent(p.largest)}: {p.assumed}" for p in order]
+    most = [(float(np.max(part.share)), part) for part in table]
+    most.sort(key=lambda each: -np.nan_to_num(each[0], nan=-1.0))
+    notes = [f"{p.source} {percent(share)}: {p.assumed}" for share, p in most]
     notes += [*_counted(result), *[AWAITED] * awaited]
     tests = (each.words() for each in table.surer())
     ways = [f"{way[0].upper()}{way[1:]}." for way in tests]
     if isinstance(result, em.ORing):
         ways = ["Whether the groove keeps the ring at its length: choose held or free."]
     ways += _ends(result, axis, tops)
-    half = float(np.max(table.band()))
+    half = float(np.max(table.half_band()))
     number = f"± {percent(half)}" if half > 1e-3 else percent(half)
     if isinstance(result, em.Leak):
         number = f"a factor of {significant(1 + half, 2)}"
@@ -140,8 +141,8 @@ def _known(result: Result) -> Uncertainty:
     """What is known of a result without computing more."""
     error, bound = _errors(result)
     value = getattr(result, result.shows)
-    fitted = FITTED in dict(result.inputs)
-    return Uncertainty(tuple(computed(value, error, bound, fitted, _TEST)))
+    parts = computed(result, value, error, bound, _TEST)
+    return Uncertainty.of(parts, result, result.doubts)
 
 
 def _title(result: Result, top: _Top) -> str:

@@ -53,12 +53,19 @@ def run(options: argparse.Namespace) -> int:
             shown = {"title": scene.title} if compared else shown
             stem = f"{path.stem}-{'compare' if compared else scene.called()}"
             with scene.in_keys(), em.progress(f"{scene.called()} of {path.name}"):
-                results = [_computed(scene, arguments)]
-                results += [] if beside is None else [em.rolling(**beside)]
+                results, more = [_computed(scene, arguments)], []
+                if beside is not None:
+                    results.append(em.rolling(**beside))
+                    more.append(f"{path.stem}-rolling")
+                if getattr(options, "uncertainty", False):
+                    results.append(results[0].uncertainty())
+                    more.append(f"{stem}-uncertainty")
             outcomes = [scene.outcome(results[0]), *results[1:]]
         notes = _notes(path, scene)
         drawn = [(stem, outcomes[0], shown)]
-        drawn += [(f"{path.stem}-rolling", each, {}) for each in results[1:]]
+        drawn += [
+            (name, each, {}) for name, each in zip(more, results[1:], strict=True)
+        ]
         files: dict[str, Callable[[Path], object]] = {}
         for name, each, how in drawn:
             files[f"{name}.csv"] = partial(_write_table, each, notes)

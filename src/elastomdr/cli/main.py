@@ -145,6 +145,14 @@ def _parser() -> argparse.ArgumentParser:
             help="folder for the files (default: this one)",
         )
         add_verbose(command)
+        if verb == "friction":
+            command.add_argument(
+                "--uncertainty",
+                action="store_true",
+                help="write NAME-friction-uncertainty.csv and .png as well: what mu "
+                "rests on, part by part, and which test would make it surer; takes up "
+                "to twelve times as long",
+            )
     for verb, run, words, add_options in _OTHERS:
         add_options(_added(commands, verb, run, words))
     return parser

@@ -35,6 +35,7 @@ from typing import (
     Any,
     ClassVar,
     NamedTuple,
+    Protocol,
     Self,
     TypeVar,
     dataclass_transform,
@@ -68,7 +69,6 @@ from .doubts import (
     kinds_of_points,
     where,
 )
-from .uncertainty import Again
 from .words import in_unit, span
 
 if TYPE_CHECKING:
@@ -79,6 +79,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .._types import Style
+    from .plot_contacts import SteadyElements
     from .plotting import DrawAsk
 
     Draw = Callable[[Any, DrawAsk], Axes]
@@ -158,6 +159,47 @@ class Band(_Ends):
     doubts: tuple[Doubt, ...] = ()
 
 
+class Change(NamedTuple):
+    """One thing changed in a call."""
+
+    shorter: float = 1.0  # factor on the upper cutoff of a surface
+    higher: float = 1.0  # factor on its heights
+    sampled: float = 0.0  # standard errors by which its measured spectrum is off
+    kelvin: float = 0.0  # by which the rubber is warmer
+    stress: float = 1.0  # factor on the shear stress
+    beyond: float = 1.0  # factor on moduli beyond the data of the rubber
+    decades: float = 0.0  # by which these begin further out than the data end
+
+
+class Judged(Protocol):
+    """A coefficient that has doubts."""
+
+    @property
+    def mu(self) -> Array: ...
+    def examined(self) -> Iterator[Doubt]:
+        """All doubts that were looked for."""
+        ...
+
+
+class Again(Protocol):
+    """The call of a curve, once more."""
+
+    @property
+    def measured(self) -> bool:
+        """Whether the surface was measured, and has sampling errors."""
+        ...
+
+    def curve(self, change: Change) -> Judged | None:
+        """The curve with one thing changed; None where that has no answer."""
+        ...
+
+    def elements(self, point: int, leading: float) -> "SteadyElements":
+        """What the elements do under a point, whose leading edge [m] is known. Raises
+        `InputError`.
+        """
+        ...
+
+
 class Origin(NamedTuple):
     """One of the results that `Result.stack` has joined."""
 
@@ -191,7 +233,7 @@ class Result:
     # what was computed and skipped, of a type for each verb; of several materials a
     # tuple
     plan: Any = setting()
-    # the call once more, where a verb has one (`results.uncertainty.Again`); likewise
+    # the call once more, where a verb has one (`Again`); likewise
     again: Again | tuple[Again | None, ...] | None = setting(default=None)
     # name and value of each argument, in words
     inputs: tuple[tuple[str, str], ...] = setting()
@@ -915,6 +957,25 @@ class Result:
         plotly = _package("plotly.subplots", "interactive")
         make = plotly.subplots.make_subplots
         return as_plotly(make, self.plot(title=title, **options))
+
+
+@record
+class AbstractPoints(Result):
+    """A result of the points of a curve."""
+
+    velocity: Array = quantity("velocity", "m/s", "velocity v", axis="sliding velocity")
+    temperature: Array | None = quantity(
+        "temperature", "K", "None where none was given", default=None, shown="°C"
+    )
+    pressure: Array | None = quantity(
+        "nominal pressure", "Pa", "of a surface", default=None, shown="MPa"
+    )
+    model_error: Array | None = quantity(
+        "bound on the error of the model",
+        "-",
+        "bound on the model's error of the coefficient, absolute",
+        default=None,
+    )
 
 
 def _package(name: str, extra: str) -> Any:

@@ -18,24 +18,34 @@ from ..checks import in_si, is_whole, significant
 from ..errors import InputError
 from ..files import as_path, csv_text, write_files
 from .axes import Quantity
-from .base import Array, Result, part, quantity, record, setting
+from .base import (
+    AbstractPoints,
+    Again,
+    Array,
+    Change,
+    Judged,
+    part,
+    quantity,
+    record,
+    setting,
+)
 from .doubts import TITLE, Doubt, carried, found, kinds_of_points
 from .friction_law import FrictionLaw, Ranked, gridded
 from .uncertainty import (
     BEYOND,
     ERRORS,
     FACTOR,
+    FITTED,
     HEIGHTS,
     KELVIN,
     MEASURED,
     STRESS,
-    Change,
-    Judged,
     Part,
     Uncertainty,
     computed,
     largest_change,
     percent,
+    unknown,
 )
 from .words import in_words
 
@@ -46,8 +56,6 @@ if TYPE_CHECKING:
     from .plot_contacts import SteadyElements
 
 _LISTED = 6  # curves that a summary lists one by one
-# the input of a result that tells what a fit misses
-FITTED = "material against its data"
 
 
 @part
@@ -81,15 +89,9 @@ class Lines:
 
 
 @record
-class AbstractCurve(Result):
+class AbstractCurve(AbstractPoints):
     """A coefficient against velocity; `shows` is the field that holds it."""
 
-    velocity: Array = quantity(
-        "velocity", "m/s", "sliding velocity v", axis="sliding velocity"
-    )
-    temperature: Array | None = quantity(
-        "temperature", "K", "None where none was given", default=None, shown="°C"
-    )
     strain: Array | None = quantity(
         "effective strain of the contact",
         "-",
@@ -104,12 +106,6 @@ class AbstractCurve(Result):
     )
     error: Array = quantity(
         "estimated error of the coefficient", "-", "numerical, absolute"
-    )
-    model_error: Array | None = quantity(
-        "bound on the error of the model",
-        "-",
-        "bound on the model's error of the coefficient, absolute",
-        default=None,
     )
 
     shows: ClassVar[str] = "mu"
@@ -150,6 +146,11 @@ class AbstractCurve(Result):
             partial(draw_curve, measured=measured), DrawAsk(ax, style, title, label)
         )
 
+    @property
+    def _call(self) -> Again | None:
+        """The call of one material, where it can be made once more."""
+        return None if isinstance(self.again, tuple) else self.again
+
     def elements(self, point: int | tuple[int, ...] = 0) -> SteadyElements:
         """What the elements do under a point of a curve by `em.Marched`: u(x), q(x),
         the forces of the branches, with a figure (`plot`) and a GIF (`animate`).
@@ -157,9 +158,9 @@ class AbstractCurve(Result):
         `point` is its index in the fields of the curve, or in them raveled. Raises
         `InputError` for another model, and for a point that did not converge.
         """
-        again, good = self.again, np.asarray(self.converged)
+        call, good = self._call, np.asarray(self.converged)
         contact = getattr(self, "contact", None)
-        if again is None or isinstance(again, tuple) or contact is None:
+        if call is None or contact is None:
             raise InputError(
                 argument="model",
                 got=self.model,
@@ -179,7 +180,7 @@ class AbstractCurve(Result):
                 got=point,
                 accepted=f"the index of a point that converged, of shape {good.shape}",
             )
-        return again.elements(i, float(np.ravel(contact.leading)[i]))
+        return call.elements(i, float(np.ravel(contact.leading)[i]))
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Of each curve the largest and the smallest coefficient and where, and the
@@ -244,9 +245,6 @@ class FrictionCurve(AbstractCurve):
     `converged=False`.
     """
 
-    pressure: Array | None = quantity(
-        "nominal pressure", "Pa", "of a surface", default=None, shown="MPa"
-    )
     direction: Array | None = quantity(
         "direction", "rad", "angle to the lay of a surface", default=None, shown="°"
     )
@@ -390,9 +388,7 @@ class FrictionCurve(AbstractCurve):
 
     def _once_more(self, change: Change) -> Judged | None:
         """The curve with one thing changed; None where it cannot be computed."""
-        if self.again is None or isinstance(self.again, tuple):
-            return None
-        return self.again.curve(change)
+        return None if self._call is None else self._call.curve(change)
 
     def uncertainty(self) -> Uncertainty:
         """What mu rests on, part by part: numerical, model, rubber, road, shear law,
@@ -407,7 +403,7 @@ class FrictionCurve(AbstractCurve):
         Raises `InputError` for several materials that are no draws.
         """
         if not self.origins:
-            return Uncertainty(tuple(self._parts()), self.doubts)
+            return Uncertainty.of(self._parts(), self, self.doubts)
         if not self.drawn:
             raise InputError(
                 argument="material",
@@ -421,8 +417,9 @@ class FrictionCurve(AbstractCurve):
         test = "a fit of four times as many measurements"
         drawn = Part("rubber", share, said, test, 0.5 * share)
         parts = next(self.each_material())._parts()
-        return Uncertainty(
-            tuple(drawn if part.source == "rubber" else part for part in parts),
+        return Uncertainty.of(
+            (drawn if part.source == "rubber" else part for part in parts),
+            self.typical(),
             self.band().doubts,
         )
 
@@ -431,9 +428,8 @@ class FrictionCurve(AbstractCurve):
         bound, told = self.model_error, tuple(self.examined())
         if self.mu_low is not None and self.mu_high is not None:
             bound = np.maximum(self.mu_high - mu, mu - self.mu_low) - self.error
-        fitted = FITTED in dict(self.inputs)
         bound = 0.0 * mu if bound is None else bound
-        yield from computed(mu, self.error, bound, fitted, MEASURED)
+        yield from computed(self, mu, self.error, bound, MEASURED)
 
         def part(
             source: str, assumed: str, test: str, left: float, *changes: Change
@@ -448,36 +444,40 @@ class FrictionCurve(AbstractCurve):
                 f"moduli beyond their data off by a factor of {BEYOND:g}",
                 "moduli measured over one more decade at each end",
                 1.0,
-                *(Change(beyond=f, decades=decades) for f in (BEYOND, 1 / BEYOND)),
+                Change(beyond=BEYOND, decades=decades),
+                Change(beyond=1 / BEYOND, decades=decades),
             )
 
         if self.extrapolated is not None and np.any(self.extrapolated):
             yield beyond(0.0)._replace(after=beyond(1.0).share)
+        call = self._call
         if self.pressure is not None:
             yield part(
                 "road",
                 f"shortest wave off by a factor of {FACTOR:g}",
                 MEASURED,
                 0.0,
-                *(Change(shorter=factor) for factor in (FACTOR, 1 / FACTOR)),
+                Change(shorter=FACTOR),
+                Change(shorter=1 / FACTOR),
             )
-            again = self.again
-            if again is None or isinstance(again, tuple) or not again.measured:
-                yield part(
-                    "road heights",
-                    f"off by {100 * HEIGHTS:g} % at all scales",
-                    "a scan of the road, its heights known to 2 %",
-                    0.02 / HEIGHTS,
-                    *(Change(higher=1 + off) for off in (HEIGHTS, -HEIGHTS)),
-                )
-            else:
-                yield part(
-                    "road sampling",
-                    f"its spectrum off by {ERRORS:g} standard errors at all scales",
-                    "a scan of four times the area",
-                    0.5,
-                    *(Change(sampled=errors) for errors in (ERRORS, -ERRORS)),
-                )
+        if self.pressure is not None and call is not None and call.measured:
+            yield part(
+                "road sampling",
+                f"its spectrum off by {ERRORS:g} standard errors at all scales",
+                "a scan of four times the area",
+                0.5,
+                Change(sampled=ERRORS),
+                Change(sampled=-ERRORS),
+            )
+        elif self.pressure is not None:
+            yield part(
+                "road heights",
+                f"off by {100 * HEIGHTS:g} % at all scales",
+                "a scan of the road, its heights known to 2 %",
+                0.02 / HEIGHTS,
+                Change(higher=1 + HEIGHTS),
+                Change(higher=1 - HEIGHTS),
+            )
         if self.adhesion is not None:
             of_mu = percent(float(np.nanmean(np.asarray(self.adhesion) / mu)))
             yield part(
@@ -485,20 +485,20 @@ class FrictionCurve(AbstractCurve):
                 f"shear stress off by {100 * STRESS:g} %; it makes {of_mu} of mu",
                 MEASURED,
                 0.0,
-                *(Change(stress=1 + off) for off in (STRESS, -STRESS)),
+                Change(stress=1 + STRESS),
+                Change(stress=1 - STRESS),
             )
         elif self.pressure is not None:
-            unknown = np.full(mu.shape, np.nan)
-            test = "a shear law (adhesion=) where the road is dry"
-            none = "no shear of the real contact is in mu"
-            yield Part("shear law", unknown, none, test, unknown)
+            shear = "a shear law (adhesion=) where the road is dry"
+            yield unknown("shear law", mu, "no shear of the real contact", shear)
         if self.temperature is not None:
             yield part(
                 "temperature",
                 f"off by {KELVIN:g} K",
                 "the temperature of the rubber measured to 0.3 K",
                 0.3 / KELVIN,
-                *(Change(kelvin=off) for off in (KELVIN, -KELVIN)),
+                Change(kelvin=KELVIN),
+                Change(kelvin=-KELVIN),
             )
 
     @in_si

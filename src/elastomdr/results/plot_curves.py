@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 
     from .._types import ArrayLike
     from .friction_law import FrictionLaw, Ranked
+    from .uncertainty import Uncertainty
 
     Measured: TypeAlias = Mapping[str, ArrayLike]
     # lower end, median and upper end of draws
@@ -477,16 +478,16 @@ def _draw_bar(
     )
 
 
-def draw_parts(parts: Mapping[str, np.ndarray], ask: DrawAsk) -> Axes:
+def draw_parts(table: Uncertainty, ask: DrawAsk) -> Axes:
     """What a number rests on: the share of each part as a bar, up to the largest of any
     point, dark up to the smallest.
     """
-    title = "What friction rests on"
+    title = table.title
     entry = Entry(
         title, title, (Label("Share of the friction coefficient", "%"), Label(""))
     )
     sketch, half = Sketch(ask, entry), np.full(2, 0.25)
-    for i, (name, share) in enumerate(parts.items()):
+    for i, (name, share) in enumerate(zip(table.sources, table.share, strict=True)):
         known = 100 * share[np.isfinite(share)]
         for end, opacity in (
             (known.min(initial=np.inf), 1.0),
@@ -497,5 +498,5 @@ def draw_parts(parts: Mapping[str, np.ndarray], ask: DrawAsk) -> Axes:
             sketch.add(bar)
         name += "" if known.size == share.size else " (not known)"
         sketch.add(Caption(name, 0.0, i - 0.3, side="left", offset=(2, 0)))
-    sketch.ax.set(yticks=[], xlim=(0, None), ylim=(len(parts) - 0.5, -0.75))
+    sketch.ax.set(yticks=[], xlim=(0, None), ylim=(len(table.sources) - 0.5, -0.75))
     return sketch.finish()

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ..checks import plain, require, significant
-from .base import Array, Result, quantity, record, setting
+from .base import AbstractPoints, Array, quantity, record, setting
 from .words import in_words
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @record
-class FrictionSpectrum(Result):
+class FrictionSpectrum(AbstractPoints):
     """Friction of a rough surface by the frequency at which it strains the rubber.
 
     The last axis runs over bands of frequency, even in its logarithm, those before it
@@ -30,13 +30,6 @@ class FrictionSpectrum(Result):
     `total`.
     """
 
-    velocity: Array = quantity("velocity", "m/s", "sliding velocity v")
-    temperature: Array | None = quantity(
-        "temperature", "K", "None where none was given", default=None, shown="°C"
-    )
-    pressure: Array | None = quantity(
-        "nominal pressure", "Pa", default=None, shown="MPa"
-    )
     omega: Array = quantity(
         "angular frequency",
         "rad/s",
@@ -139,7 +132,7 @@ class FrictionSpectrum(Result):
 
 
 @record
-class Dissipation(Result):
+class Dissipation(AbstractPoints):
     """Loss of each branch; the last axis of every field runs over the branches of the
     relaxation spectrum.
 
@@ -147,10 +140,6 @@ class Dissipation(Result):
     relaxation time; that of a parallel dashpot is in the legend.
     """
 
-    velocity: Array = quantity("velocity", "m/s", "velocity v")
-    temperature: Array | None = quantity(
-        "temperature", "K", "None where none was given", default=None, shown="°C"
-    )
     time: Array = quantity(
         "relaxation time", "s", "tau_k at the temperature, 0 for a parallel dashpot"
     )

@@ -10,23 +10,20 @@ of two. So is what a test leaves.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from ..checks import significant
 from ..errors import InputError
-from .doubts import Doubt, carried, counted_kinds, found, where
+from .axes import Axis, Quantity, dimensions
+from .base import AbstractPoints, Array, Judged, Result, quantity, record, setting
+from .doubts import Doubt, carried, where
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from .._types import Style
-    from ..arrays import Array
-    from .plot_contacts import SteadyElements
-
+# the input of a result that tells what a fit misses
+FITTED = "material against its data"
 FACTOR = 2.0  # of the shortest wave, each way
 HEIGHTS = 0.1  # of the heights of a road that was not scanned, relative
 ERRORS = 2.0  # standard errors of a scanned spectrum, each way
@@ -38,48 +35,6 @@ SMALL = 0.02  # share of the band that a test must take away to be named
 POINTS, EACH = 3, 0.05  # of measured friction, and how well each is known, relative
 MEASURED = f"{POINTS} points of measured friction, each to {100 * EACH:g} %"
 _OWN = {MEASURED: EACH / POINTS**0.5}  # error of a test itself, relative
-_BOUNDS = ("numerical", "model")  # parts that are bounds, which add up
-
-
-class Change(NamedTuple):
-    """One thing changed in a call."""
-
-    shorter: float = 1.0  # factor on the upper cutoff of a surface
-    higher: float = 1.0  # factor on its heights
-    sampled: float = 0.0  # standard errors by which its measured spectrum is off
-    kelvin: float = 0.0  # by which the rubber is warmer
-    stress: float = 1.0  # factor on the shear stress
-    beyond: float = 1.0  # factor on moduli beyond the data of the rubber
-    decades: float = 0.0  # by which these begin further out than the data end
-
-
-class Judged(Protocol):
-    """A coefficient that has doubts."""
-
-    @property
-    def mu(self) -> Array: ...
-    def examined(self) -> Iterator[Doubt]:
-        """All doubts that were looked for."""
-        ...
-
-
-class Again(Protocol):
-    """The call of a curve, once more."""
-
-    @property
-    def measured(self) -> bool:
-        """Whether the surface was measured, and has sampling errors."""
-        ...
-
-    def curve(self, change: Change) -> Judged | None:
-        """The curve with one thing changed; None where that has no answer."""
-        ...
-
-    def elements(self, point: int, leading: float) -> SteadyElements:
-        """What the elements do under a point, whose leading edge [m] is known. Raises
-        `InputError`.
-        """
-        ...
 
 
 class Part(NamedTuple):
@@ -92,16 +47,6 @@ class Part(NamedTuple):
     assumed: str  # what has been taken for it
     test: str  # what would lower it
     after: np.ndarray  # share that the test leaves
-
-    @property
-    def largest(self) -> float:
-        """The largest share of any point; NaN where it is not known at one."""
-        return float(np.max(self.share))
-
-    def at(self, points: list[int]) -> Part:
-        """The same of some points, by their number in the flattened curve."""
-        share, after = (np.ravel(each)[points] for each in (self.share, self.after))
-        return self._replace(share=share, after=after)
 
     def words(self) -> str:
         """Share, convention, test and what that leaves."""
@@ -123,36 +68,103 @@ class Surer(NamedTuple):
         return f"{self.test}: band {percent(self.before)}, then {percent(self.after)}"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Uncertainty:
-    """What `FrictionCurve.uncertainty` returns: parts, to go through or take by name."""
+@record
+class Uncertainty(AbstractPoints):
+    """What `FrictionCurve.uncertainty` returns: parts, to go through or take by name; the
+    first axis of every field runs over them, the others are the points of the curve.
+    """
 
-    parts: tuple[Part, ...]
-    doubts: tuple[Doubt, ...] = ()  # of mu, at the points of the curve
+    mu: Array = quantity("friction coefficient", "-")
+    share: Array = quantity(
+        "share", "-", "of mu, how much the part may change it; NaN: not known"
+    )
+    after: Array = quantity("share after the test", "-", "of mu; NaN: not known")
+    error: Array = quantity("estimated error of mu", "-")
+    sources: tuple[str, ...] = setting()  # names of the parts
+    assumed: tuple[str, ...] = setting()
+    tests: tuple[str, ...] = setting()
+
+    title: ClassVar[str] = "What friction rests on"
+    figure: ClassVar[str] = "plot_curves.draw_parts"
+    shows: ClassVar[str] = "share"
+    error_of: ClassVar[str] = "mu"
+
+    @classmethod
+    def of(
+        cls, parts: Iterable[Part], result: Result, doubts: Iterable[Doubt]
+    ) -> Uncertainty:
+        """Parts of what a result shows; `doubts` are those of its points."""
+        sources, shares, assumed, tests, after = zip(*parts, strict=True)
+        share = np.array(shares)
+        return cls(
+            velocity=getattr(result, "velocity", np.array(np.nan)),
+            temperature=getattr(result, "temperature", None),
+            pressure=getattr(result, "pressure", None),
+            mu=getattr(result, result.shows),
+            error=result.error,
+            model_error=getattr(result, "model_error", None),
+            converged=np.broadcast_to(result.converged, share.shape),
+            share=share,
+            after=np.array(after),
+            marks=tuple(doubts),  # those of points that failed among them
+            model=result.model,
+            plan=result.plan,
+            inputs=result.inputs,
+            sources=sources,
+            assumed=assumed,
+            tests=tests,
+        )
+
+    def examined(self) -> Iterator[Doubt]:
+        """Those of the curve, at its points."""
+        yield from self.marks
+
+    def fields(self, dims: str | None = "...") -> dict[Quantity, np.ndarray]:
+        """As of every result, each of the shape of the shares."""
+        every, shape = super().fields(dims), self.share.shape
+        return {q: np.broadcast_to(values, shape) for q, values in every.items()}
+
+    def axes(self) -> list[Axis]:
+        """The parts, then the axes of the curve."""
+        first = {q: values[0] for q, values in self.fields().items()}
+        parts = Axis("part", np.array(self.sources))
+        return [parts, *dimensions(first, self.coordinates, "")]
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """As of every result, a row for each part of each point, with the `band`."""
+        names = np.repeat(np.array(self.sources), self.share[0].size)
+        half = np.tile(np.ravel(self.half_band()), len(self.sources))
+        return {"part": names, **super().columns(), "half of the band [-]": half}
 
     def __getitem__(self, source: str) -> Part:
         """The part of a name. Raises `InputError` for a name that is not among them."""
-        named = {part.source: part for part in self}
-        if source not in named:
-            accepted = f"one of {', '.join(named)}"
+        if source not in self.sources:
+            accepted = f"one of {', '.join(self.sources)}"
             raise InputError(argument="source", got=source, accepted=accepted)
-        return named[source]
+        return [*self][self.sources.index(source)]
 
     def __iter__(self) -> Iterator[Part]:
-        return iter(self.parts)
+        fields = (self.sources, self.share, self.assumed, self.tests, self.after)
+        return map(Part._make, zip(*fields, strict=True))
 
     def at(self, points: list[int]) -> Uncertainty:
         """The same of some points, by their number in the flattened curve."""
-        doubts = carried(self.doubts, lambda at: np.ravel(at)[points], failed=True)
-        return Uncertainty(tuple(part.at(points) for part in self), found(doubts))
 
-    def band(self, test: str = "") -> np.ndarray:
+        of_parts = {
+            q.path: np.reshape(values, (len(self.sources), -1))[:, points]
+            for q, values in self.fields().items()
+            if q.path != "extrapolated"
+        }
+        marks = carried(self.marks, lambda at: np.ravel(at)[points], failed=True)
+        return dataclasses.replace(self, **of_parts, marks=marks)
+
+    def half_band(self, test: str = "") -> np.ndarray:
         """Half the band around mu, relative, at each point, after a `test`: bounds are
         added to the root of the sum of squares of the rest. What nobody knows is left
         out, but without a bound of the model it is NaN.
         """
         shares = {p.source: p.after if p.test == test else p.share for p in self}
-        bounds = sum(shares.pop(source) for source in _BOUNDS)
+        bounds = shares.pop("numerical") + shares.pop("model")
         squares = (np.nan_to_num(share) ** 2 for share in shares.values())
         return bounds + np.sqrt(sum(squares) + _OWN.get(test, 0.0) ** 2)
 
@@ -160,55 +172,52 @@ class Uncertainty:
         """The tests that would narrow the band, the one that would most first; then
         those of parts that are not known.
         """
-        before, tests = float(np.max(self.band())), []
-        for test in dict.fromkeys(part.test for part in self):
+        before, tests = float(np.max(self.half_band())), []
+        for test in dict.fromkeys(self.tests):
             told = np.isfinite([part.after for part in self if part.test == test])
-            after = float(np.max(self.band(test))) if told.any() else np.nan
+            after = float(np.max(self.half_band(test))) if told.any() else np.nan
             lower = after < (np.inf if np.isnan(before) else before * (1 - SMALL))
             if lower or not told.any():
                 tests.append(Surer(test, before, after))
         return tuple(sorted(tests, key=lambda each: np.nan_to_num(each.after, nan=1e9)))
 
-    def summary(self) -> str:
-        """The parts, a line each, the band, and the tests."""
-        width = max(len(part.source) for part in self) + 2
-        lines = [f"{part.source:<{width}}{part.words()}" for part in self]
-        lines.append(f"{'band':<{width}}{_range(self.band())}")
-        if said := counted_kinds(self.doubts):
-            lines.append(f"{'doubts':<{width}}{said}")
-        return "\n".join(lines + [f"surer: {each.words()}" for each in self.surer()])
-
-    def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
-        """Draws the parts as bars, up to the largest share of any point, dark up to the
-        smallest, in a style of `Result.plot`; returns matplotlib Axes.
-        """
-        from .plot_curves import draw_parts
-        from .plotting import DrawAsk
-
-        return draw_parts({p.source: p.share for p in self}, DrawAsk(ax, style))
-
-    def __repr__(self) -> str:
-        return self.summary()
+    def findings(self) -> Iterator[tuple[str, str]]:
+        """What the curve was computed of, the parts, the band, the tests, the doubts."""
+        yield from self.inputs
+        yield from ((f"part, {part.source}", part.words()) for part in self)
+        yield "band", _range(self.half_band())
+        yield from (("surer", each.words()) for each in self.surer())
+        yield from ((doubt.kind, doubt.words()) for doubt in self.doubts)
 
 
 def computed(
-    value: Array, error: Array | float, bound: Array | float, fitted: bool, test: str
+    result: Result, value: Array, error: Array, bound: Array | float, test: str
 ) -> Iterator[Part]:
-    """The parts that every result has: numerical error, bound of its model, both
-    absolute, and rubber; `fitted` where the error holds what a fit misses, `test` tells
+    """The parts that every result has, of a value that it shows: numerical error, bound
+    of its model, both absolute, rubber, and a temperature that it has not; `test` tells
     how far the model is off.
     """
     size = np.where(np.asarray(value) == 0, 1.0, np.abs(value))
-    none, unknown = np.zeros(size.shape), np.full(size.shape, np.nan)
+    none = np.zeros(size.shape)
     said, closer = "error of the computation", "a smaller rtol"
-    if fitted:
+    if FITTED in dict(result.inputs):
         said, closer = f"{said} and misfit of the rubber", "the moduli as a table"
     yield Part("numerical", np.asarray(error) / size, said, closer, none)
     yield Part(
         "model", np.asarray(bound) / size, "its bound, or limits of mu", test, none
     )
     draws = "draws of a fit, em.fit.material(...).draws(n), in place of the material"
-    yield Part("rubber", unknown, "not computed", draws, unknown)
+    yield unknown("rubber", none, "not computed", draws)
+    if getattr(result, "temperature", None) is None:
+        yield unknown(
+            "temperature", none, "one temperature only", "DMA at several temperatures"
+        )
+
+
+def unknown(source: str, value: Array, assumed: str, test: str) -> Part:
+    """A part of which nobody knows how much of a value it may change."""
+    nowhere = np.full(np.shape(value), np.nan)
+    return Part(source, nowhere, assumed, test, nowhere)
 
 
 def largest_change(

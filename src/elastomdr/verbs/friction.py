@@ -17,8 +17,8 @@ from ..errors import InputError, quiet
 from ..material.relaxation import AbstractRelaxation, scaled
 from ..models import Line, as_model
 from ..progress_bar import reporter
+from ..results.base import Change
 from ..results.curve import AbstractCurve, FrictionCurve
-from ..results.uncertainty import Change
 from ..results.words import in_words
 from ..rough.adhesion import AdhesiveShear, check_adhesion, on_contact
 from ..rough.heat import Branch, Heat
@@ -45,7 +45,7 @@ _ROUGHLY = 1e-4  # relative error of what only tells how uncertain a number is
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class CallAgain:
-    """A call of `friction` once more, as `results.uncertainty.Again`."""
+    """A call of `friction` once more, as `results.base.Again`."""
 
     call: RoughCall | SmoothCall
     adhesion: AdhesiveShear | None
