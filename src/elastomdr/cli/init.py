@@ -69,15 +69,15 @@ def run(options: argparse.Namespace) -> int:
             accepted="a file that can be written",
             hint=str(getattr(error, "strerror", None) or error),
         ) from error
-    verb = content.split("elastomdr ", 1)[1].split()[0]
-    print(f"wrote {path}\nelastomdr {verb} {path}")
+    command = content.split("elastomdr ", 1)[1].partition("\n")[0]
+    print(f"wrote {path}\nelastomdr {command.replace(path.name, str(path), 1)}")
     return DONE
 
 
 def _filled_in(kind: str, path: Path, options: argparse.Namespace) -> str:
     """The template of a kind with the user's material and road."""
     template = (_TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8")
-    scene = template.replace(" FILE\n", f" {path.name}\n", 1)
+    scene = template.replace(" FILE", f" {path.name}", 1)
     measured = options.profile or options.spectrum
     # the title is that of the example's rubber and road
     if options.material or measured:
