@@ -12,7 +12,13 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
-from elastomdr.fit import abaqus_card, ansys_card, plain_card
+from elastomdr.fit import (
+    abaqus_card,
+    ansys_card,
+    dyna_card,
+    plain_card,
+    radioss_card,
+)
 from elastomdr.fit.figures import draw_shifts
 
 from ..io.dma_files import CELSIUS, HERTZ, KNOWN, WRITERS, measure, plain_csv, two_rows
@@ -191,6 +197,8 @@ def test_material_file_is_complete(tmp_path):
                 "-plain.csv",
                 "-abaqus.inp",
                 "-ansys.mac",
+                "-radioss.rad",
+                "-dyna.k",
                 "-master.png",
                 "-shifts.png",
                 "-cole-cole.png",
@@ -402,6 +410,67 @@ def test_cards_hold_the_same_material():
     assert "*TRS, DEFINITION=ARRHENIUS\n300, 80000\n" in abaqus_card(arrhenius)
     with pytest.raises(InputError, match="viscosity must be 0"):
         abaqus_card(em.KelvinVoigt(1e6, 1e3))
+
+
+def of_dyna(card):
+    """Shear moduli, rates and bulk modulus, by columns of ten."""
+    title, _, head, blank, *rows = [
+        line for line in card.splitlines() if not line.startswith("$")
+    ]
+    assert (title, blank) == ("*MAT_GENERAL_VISCOELASTIC_TITLE", "")
+    assert (int(head[:10]), head[10:20].strip()) == (3, "")  # density is not known
+    table = np.array([[float(row[i : i + 10]) for i in (0, 10)] for row in rows])
+    return table[:, 0], table[:, 1], float(head[20:30])
+
+
+def of_radioss(card):
+    """The same of a deck in columns of twenty, of which integers take ten."""
+    lines = [line for line in card.splitlines() if not line.startswith("#")]
+    law, _, density, head, mu, blank, alpha, empty, visc, order, *rows = lines
+    assert (law, visc) == ("/MAT/LAW42/3", "/VISC/PRONY/3")
+    assert (density.strip(), blank, empty) == ("", "", "")
+    assert int(head[80:90]) == 0  # its terms stand in the second block
+    assert int(order[:10]) == len(rows)
+    table = np.array(
+        [[float(row[i : i + 20]) for i in (0, 20, 40, 60)] for row in rows]
+    )
+    assert (table[:, 2:] == 0).all()
+    ground = float(mu[:20]) * float(alpha[:20]) / 2
+    moduli, nu = np.array([ground, *table[:, 0]]), float(head[:20])
+    bulk = 2 * moduli.sum() * (1 + nu) / (3 * (1 - 2 * nu))
+    return moduli, np.array([0.0, *table[:, 1]]), bulk
+
+
+@pytest.mark.parametrize(
+    ("write", "read", "accuracy"),
+    [(dyna_card, of_dyna, 1e-4), (radioss_card, of_radioss, 1e-8)],
+)
+@pytest.mark.parametrize(
+    "material",
+    [KNOWN, em.Prony(1e6, [3e6, 2e9], [0.1, 1e-9], kind="tensile", poisson=0.3)],
+    ids=["shear", "tensile"],
+)
+def test_cards_of_explicit_programs_relax_as_the_material(
+    write, read, accuracy, material
+):
+    card = write(material, 3)
+    moduli, rates, bulk = read(card)
+    t = np.geomspace(1e-10, 1e3, 40)
+    relaxed = (moduli * np.exp(-rates * t[:, None])).sum(axis=1)
+    shear = material.shear()
+    np.testing.assert_allclose(relaxed, shear.relaxation(t), rtol=accuracy)
+    nu = min(material.poisson, 0.4995)
+    expected = 2 * shear.instantaneous * (1 + nu) / (3 * (1 - 2 * nu))
+    assert bulk == pytest.approx(expected, rel=accuracy)
+    assert ("only at this temperature" in card) == (material.shift is not None)
+    assert "density" in card
+
+
+def test_more_terms_than_a_card_takes():
+    many = em.Prony(1e5, np.full(18, 1e5), np.geomspace(1e-9, 1, 18))
+    with pytest.raises(InputError, match="17 relaxation times"):
+        dyna_card(many)
+    assert len(of_radioss(radioss_card(many, 3))[0]) == 19
 
 
 @pytest.mark.parametrize("dynamic", [True, False])

@@ -20,6 +20,7 @@ import elastomdr as em
 from ..cli.kinds import toml
 from ..cli.schema import Content
 from ..errors import InputError
+from ..fit.report import DYNA_TERMS
 from .cards import Cards, cards
 from .chart import Drawn
 from .computed import ComputedStage
@@ -55,6 +56,8 @@ _FIT = {
     "Prony series": "-prony.csv",
     "Abaqus": "-abaqus.inp",
     "Ansys": "-ansys.mac",
+    "LS-DYNA": "-dyna.k",
+    "Radioss": "-radioss.rad",
 }
 Files: TypeAlias = dict[str, tuple[str, Callable[[], bytes]]]
 
@@ -167,10 +170,11 @@ def _image(done: Done, kind: str) -> bytes:
 
 def _of_fit(fitted: Fitted) -> Taken:
     """A fitted rubber, its tables, and cards for other programs."""
-    stem = fitted.name.removesuffix(".toml")
+    stem, material = fitted.name.removesuffix(".toml"), fitted.fit.material
     files: Files = {
         label: (stem + end, lambda name=stem + end: fitted.fit.files()[name])
         for label, end in _FIT.items()
+        if label != "LS-DYNA" or material.moduli.size < DYNA_TERMS
     }
     files["All (zip)"] = f"{stem}.zip", lambda: zipped(fitted.fit.files())
     return Taken(f"Rubber {stem}", fitted.command, files, spoken(fitted.summary))

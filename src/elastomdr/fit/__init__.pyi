@@ -18,7 +18,9 @@ from .pipeline import from_hardness as from_hardness
 from .pipeline import material as material
 from .report import abaqus_card as abaqus_card
 from .report import ansys_card as ansys_card
+from .report import dyna_card as dyna_card
 from .report import plain_card as plain_card
+from .report import radioss_card as radioss_card
 from .series import PronyFit as PronyFit
 from .series import prony as prony
 from .shear_law import AdhesionFit as AdhesionFit

@@ -52,11 +52,14 @@ from .master import (
     vertical_law,
 )
 from .report import (
+    DYNA_TERMS,
     TWO_SIGMA,
     AbstractFindings,
     abaqus_card,
     ansys_card,
+    dyna_card,
     plain_card,
+    radioss_card,
     tell,
 )
 from .series import PronyFit, prony
@@ -482,7 +485,10 @@ class MaterialFit(AbstractFindings):
             f"{stem}-plain.csv": plain_card(self.material),
             f"{stem}-abaqus.inp": abaqus_card(self.material),
             f"{stem}-ansys.mac": ansys_card(self.material),
+            f"{stem}-radioss.rad": radioss_card(self.material),
         }
+        if self.material.moduli.size < DYNA_TERMS:
+            texts[f"{stem}-dyna.k"] = dyna_card(self.material)
         content |= {name: text_of_file.encode() for name, text_of_file in texts.items()}
         return content | {
             f"{stem}-{name}.png": image

@@ -251,7 +251,9 @@ def table_csv(
 #
 # Formats as in the Abaqus Keywords Guide (*ELASTIC, *HYPERELASTIC, *VISCOELASTIC, *TRS)
 # and the Mechanical APDL command reference (TB,PRONY: pairs of relative modulus and time,
-# at most 100; TB,SHIFT). Written from the documentation; not run in either program.
+# at most 100; TB,SHIFT), in PyDyna (the fields of *MAT_GENERAL_VISCOELASTIC) and in the
+# configuration of OpenRadioss (those of /MAT/LAW42 and /VISC/PRONY). Not run in any of
+# these programs.
 # --------------------------------------------------------------------------------------
 
 # equilibrium part that stands for zero where a program wants the sum of the parts below
@@ -262,6 +264,8 @@ _NO_TABLE = (
 )
 _LABEL = 70  # characters of a name; Abaqus takes 80, and wants a letter first
 _INCOMPRESSIBLE = 0.499  # Poisson's ratio above which bulk parts are left out
+_EXPLICIT = 0.4995  # stands for 0.5 in explicit programs
+DYNA_TERMS = 18  # of *MAT_GENERAL_VISCOELASTIC, with the equilibrium modulus
 
 
 def abaqus_card(material: Prony) -> str:
@@ -281,10 +285,8 @@ def abaqus_card(material: Prony) -> str:
     Raises:
         InputError: for a parallel dashpot, and for a constant bulk modulus.
     """
-    name, glassy, parts, notes = _parts(material)
+    name, shear, poisson, parts, notes = _parts(material)
     lines = [f"** {note}" for note in notes] + [f"*MATERIAL, NAME={name}"]
-    poisson = _poisson(material)
-    shear = glassy / (2 * (1 + poisson)) if material.kind == "tensile" else glassy
     bulk = np.zeros_like(parts) if poisson > _INCOMPRESSIBLE else parts
     if poisson > _INCOMPRESSIBLE:
         lines += [
@@ -338,9 +340,7 @@ def ansys_card(material: Prony, number: int = 1) -> str:
     Raises:
         InputError: as `abaqus_card`.
     """
-    name, glassy, parts, notes = _parts(material)
-    poisson = _poisson(material)
-    young = glassy if material.kind == "tensile" else 2 * (1 + poisson) * glassy
+    name, shear, poisson, parts, notes = _parts(material)
     lines = [f"! {note}" for note in (name, *notes)]
     if poisson > _INCOMPRESSIBLE:
         lines.append(
@@ -348,7 +348,7 @@ def ansys_card(material: Prony, number: int = 1) -> str:
             "mixed formulation"
         )
     lines += [
-        f"MP,EX,{number},{young:.8g}",
+        f"MP,EX,{number},{2 * (1 + poisson) * shear:.8g}",
         f"MP,PRXY,{number},{min(poisson, 0.4999):.6g}",
     ]
     for which in ("SHEAR", "BULK") if poisson <= _INCOMPRESSIBLE else ("SHEAR",):
@@ -368,6 +368,66 @@ def ansys_card(material: Prony, number: int = 1) -> str:
     elif material.shift is not None:
         lines.insert(0, f"! {_NO_TABLE}")
     return "\n".join(lines) + "\n"
+
+
+@in_si
+def dyna_card(material: Prony, number: int = 1) -> str:
+    """LS-DYNA keyword *MAT_GENERAL_VISCOELASTIC (MAT_076) for a material at its
+    reference temperature; to five digits, its density left blank.
+
+    Args:
+        material: the material, a `Prony` of at most 17 relaxation times.
+        number: number of the material in the model.
+
+    Returns:
+        The lines of the card.
+
+    Raises:
+        InputError: as `abaqus_card`, and for more relaxation times.
+    """
+    card = _explicit(material)
+    if len(card.terms) > DYNA_TERMS:
+        raise InputError(
+            argument="material",
+            got=material,
+            accepted=f"one of at most {DYNA_TERMS - 1} relaxation times for this card",
+        )
+    lines = [f"$ {note}" for note in card.notes]
+    lines += [
+        "*MAT_GENERAL_VISCOELASTIC_TITLE",
+        card.name,
+        f"{number:10d}{'':10}{card.bulk:10.5g}",
+        "",
+        *(f"{modulus:10.5g}{rate:10.5g}" for modulus, rate in card.terms),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+@in_si
+def radioss_card(material: Prony, number: int = 1) -> str:
+    """Radioss blocks /MAT/LAW42 and /VISC/PRONY for a material at its reference
+    temperature, its density left blank.
+
+    Args:
+        material: the material, a `Prony`.
+        number: number of the material in the model.
+
+    Returns:
+        The lines of the blocks.
+
+    Raises:
+        InputError: as `abaqus_card`.
+    """
+    card = _explicit(material)
+    (equilibrium, _), *terms = card.terms
+    rows = "".join(f"{g:20.10g}{rate:20.10g}{0:20}{0:20}\n" for g, rate in terms)
+    notes = "".join(f"# {note}\n" for note in card.notes)
+    return (
+        f"{notes}/MAT/LAW42/{number}\n{card.name}\n{'':20}\n"
+        f"{card.poisson:20.10g}{0:20}{'':10}{0:10}{0:20}{0:10}{0:10}\n"
+        f"{equilibrium:20.10g}\n\n{2:20}\n\n"
+        f"/VISC/PRONY/{number}\n{len(terms):10}{'':10}{0:20}{0:10}{0:10}\n{rows}"
+    )
 
 
 def plain_card(material: Prony) -> str:
@@ -404,9 +464,34 @@ class _CardParts(NamedTuple):
     """A series as cards have it."""
 
     name: str
-    glassy: float  # instantaneous modulus, as given [Pa]
-    parts: np.ndarray  # of it
+    shear: float  # instantaneous shear modulus [Pa]
+    poisson: float
+    parts: np.ndarray  # of the modulus
     notes: list[str]
+
+
+class _Explicit(NamedTuple):
+    """A material as explicit programs have it."""
+
+    name: str
+    poisson: float  # of short times
+    bulk: float  # [Pa]
+    terms: list[tuple[float, float]]  # shear modulus [Pa] and rate [1/s], 0 first
+    notes: list[str]
+
+
+def _explicit(material: Prony) -> _Explicit:
+    name, shear, poisson, parts, notes = _parts(material)
+    terms = [(shear * (1 - float(parts.sum())), 0.0)]
+    terms += zip(shear * parts, 1 / np.asarray(material.times), strict=True)
+    notes += [_NO_TABLE] * (material.shift is not None)
+    notes += [
+        f"bulk modulus constant, by at most {_EXPLICIT} for Poisson's ratio",
+        "fill in the density (RO, RHO_I), which the material does not say",
+    ]
+    poisson = min(poisson, _EXPLICIT)
+    bulk = 2 * shear * (1 + poisson) / (3 * (1 - 2 * poisson))
+    return _Explicit(name, poisson, bulk, terms, notes)
 
 
 def _parts(material: Prony) -> _CardParts:
@@ -416,6 +501,13 @@ def _parts(material: Prony) -> _CardParts:
             argument="viscosity",
             got=float(material.viscosity),
             accepted="0 for a card of Prony terms",
+        )
+    if material.poisson is None:
+        raise InputError(
+            argument="material",
+            got=material,
+            accepted="one with a constant Poisson's ratio for a card, not a constant "
+            "bulk modulus",
         )
     moduli = np.asarray(material.moduli, dtype=float)
     equilibrium, notes = float(material.equilibrium), list(_describe(material))
@@ -429,18 +521,9 @@ def _parts(material: Prony) -> _CardParts:
     glassy = equilibrium + float(moduli.sum())
     label = re.sub(r"[^A-Z0-9_]+", "_", (material.name or "rubber").upper())[:_LABEL]
     name = label if label[0].isalpha() else f"M_{label}"
-    return _CardParts(name, glassy, moduli / glassy, notes)
-
-
-def _poisson(material: Prony) -> float:
-    if material.poisson is not None:
-        return float(material.poisson)
-    raise InputError(
-        argument="material",
-        got=material,
-        accepted="one with a constant Poisson's ratio for a card, not a constant "
-        "bulk modulus",
-    )
+    poisson = float(material.poisson)
+    in_shear = 2 * (1 + poisson) if material.kind == "tensile" else 1.0
+    return _CardParts(name, glassy / in_shear, poisson, moduli / glassy, notes)
 
 
 def _describe(material: Prony) -> Iterator[str]:
