@@ -147,6 +147,19 @@ def test_loss_tangent_that_agrees_is_passed_over(factor, tmp_path):
     np.testing.assert_allclose(read(path).loss, 1e6 * LOSS)
 
 
+def test_of_two_columns_that_differ_either_is_read_by_the_number_that_is_told(tmp_path):
+    titles = "f [Hz],G'' [MPa],G' [MPa],T [degC],G' [MPa]"
+    warm = np.full(F.size, 20.0)
+    path = written(tmp_path / "two.csv", titles, F, LOSS, STORAGE, warm, 2 * STORAGE)
+    with refused("path_or_paths") as caught:
+        em.read_dma(path)
+    told = re.search(r"N being (\d) or (\d)", caught.value.hint)
+    assert told is not None
+    for number, times in zip(told.groups(), (1, 2), strict=True):
+        found = em.read_dma(path, columns={"storage": int(number)})
+        np.testing.assert_allclose(found.storage, times * 1e6 * STORAGE)
+
+
 def test_a_loss_that_is_negative_is_refused(tmp_path):
     """Of the convention exp(-i omega t): nobody turns its sign."""
     titles = "f [Hz],T [degC],G' [MPa],G'' [MPa]"
