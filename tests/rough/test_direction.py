@@ -181,6 +181,25 @@ def test_draws_keep_the_limits_of_the_model():
         assert alone[row][:12] in dict(drawn.inputs)[row]
 
 
+@pytest.mark.parametrize("direction", [None, 0.4])
+@pytest.mark.parametrize("model", [em.Multiscale(), em.Persson()])
+def test_the_bound_of_a_lay_is_the_same_under_jit(model, direction):
+    surface = ground(2.0)
+    lay = dataclasses.replace(surface.lay, error=np.full(2, 0.1))
+    surface = dataclasses.replace(surface, lay=lay)
+
+    def bound(velocity):
+        return em.friction(
+            SOLID, surface, velocity=velocity, pressure=1e5, model=model,
+            direction=direction,
+        ).model_error  # fmt: skip
+
+    at = np.array([1e-2, 1.0])
+    with jax.enable_x64(True):
+        traced = jax.jit(bound)(at)
+    np.testing.assert_allclose(traced, bound(at), rtol=1e-9)
+
+
 def test_draws_vary_lay_and_skewness():
     lay = dataclasses.replace(ground(4.0).lay, error=np.array([0.6, 0.1]))
     surface = dataclasses.replace(

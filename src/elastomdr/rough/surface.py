@@ -5,7 +5,7 @@ pack.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -642,9 +642,7 @@ def by_strain(
     def changes(factor: float) -> np.ndarray:
         """The largest of mu [absolute] and of the area [relative]: (2, points)."""
         others = [at(softened.share * f) for f in (factor, 1 / factor)]
-        return np.max(
-            [(abs(o.mu - here.mu), abs(o.area / here.area - 1)) for o in others], axis=0
-        )
+        return np.array(_changes(here, others))
 
     return ByStrain(linear, here, *within_strain(changes, here.area))
 
@@ -652,10 +650,23 @@ def by_strain(
 def off_by_strain(model: SurfaceModel, problem: RoadProblem) -> tuple[Array, Array]:
     """`of_mu` and `of_area` of what JAX traces, without derivatives."""
 
-    def numbers(shared: RoadShared, points: RoadPoints) -> tuple[np.ndarray, ...]:
-        known = put_together(shared, points, problem.rtol)
+    def changes(known: RoadProblem) -> tuple[np.ndarray, np.ndarray]:
         assert known.local.softened is not None
         return by_strain(model, known, known.local.softened)[2:]
+
+    return _of_known(changes, problem)
+
+
+def _of_known(
+    changes: Callable[[RoadProblem], tuple[np.ndarray, np.ndarray]],
+    problem: RoadProblem,
+) -> tuple[Array, Array]:
+    """Numbers of a problem that JAX traces, found when its own are known, without
+    derivatives.
+    """
+
+    def numbers(shared: RoadShared, points: RoadPoints) -> tuple[np.ndarray, ...]:
+        return changes(put_together(shared, points, problem.rtol))
 
     shared, points = stop_gradient(taken_apart(problem))
     return on_host(numbers, (points.velocity,) * 2, shared, points)
@@ -702,11 +713,17 @@ def _turned(scene: SteadyScene, model: SurfaceModel, answer: _Answer) -> _Turned
     exact = alike and not known(lay.error).any()
     if exact or model.on_map(surface) or not model.takes_direction:
         return _Turned(0.0, 0.0, [("direction", words)])
+    rows, problem = [("direction", words)], answer.problem
     if scene.traced:
-        return _Turned(np.nan, np.nan, [("direction", words)])
-    here, ends = _at_other_lays(scene, model, answer)
-    of_mu = np.max([abs(end.mu - here.mu) for end in ends], axis=0)
-    of_area = np.max([abs(end.area / here.area - 1.0) for end in ends], axis=0)
+
+        def changes(known: RoadProblem) -> tuple[np.ndarray, np.ndarray]:
+            way = known.local.directed and known.local.directed.direction
+            return _changes(*_at_other_lays(way, model, known, model.solve(known)))
+
+        return _Turned(*_of_known(changes, problem), rows)
+    direction = None if scene.direction is None else scene.full(scene.direction).ravel()
+    here, ends = _at_other_lays(direction, model, problem, answer.hot)
+    of_mu, of_area = _changes(here, ends)
     good = answer.hot.good
     if good.any():
         times = np.array([(end.mu / here.mu)[good] for end in ends])
@@ -719,16 +736,29 @@ def _turned(scene: SteadyScene, model: SurfaceModel, answer: _Answer) -> _Turned
     return _Turned(of_mu, of_area, [("direction", words)])
 
 
+def _changes(
+    here: SurfaceFriction, others: Sequence[SurfaceFriction]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The largest of mu [absolute] and of the area [relative]."""
+    return (
+        np.max([abs(o.mu - here.mu) for o in others], axis=0),
+        np.max([abs(o.area / here.area - 1) for o in others], axis=0),
+    )
+
+
 def _at_other_lays(
-    scene: SteadyScene, model: SurfaceModel, answer: _Answer
+    direction: Array | None,
+    model: SurfaceModel,
+    problem: RoadProblem,
+    hot: SurfaceFriction,
 ) -> tuple[SurfaceFriction, list[SurfaceFriction]]:
-    """Friction, and that where ln g is two standard errors less and more, in the
+    """Friction, `hot`, and that where ln g is two standard errors less and more, in the
     direction that is given; without one where it is more, along the lay and across it.
 
     Random maps of another lay would be other maps: of these Multiscale says how much
     friction changes.
     """
-    problem = answer.problem._replace(rtol=_ROUGHLY, progress=None)
+    problem = problem._replace(rtol=_ROUGHLY, progress=None)
     on_maps: bool = model.samples_directions
     lay: Any = lay_of(problem.surface)
     solve = (Multiscale() if on_maps else model).solve
@@ -741,8 +771,7 @@ def _at_other_lays(
         local = problem.local._replace(directed=directed)
         return solve(problem._replace(local=local))
 
-    direction = None if scene.direction is None else scene.full(scene.direction).ravel()
-    here = towards(direction, 0.0) if on_maps else answer.hot
+    here = towards(direction, 0.0) if on_maps else hot
     if direction is None:
         return here, [towards(angle, _LAY_ERRORS) for angle in (0.0, np.pi / 2)]
     return here, [towards(direction, errors) for errors in (-_LAY_ERRORS, _LAY_ERRORS)]
