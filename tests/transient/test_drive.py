@@ -377,6 +377,38 @@ def test_gradient_through_the_motion_meets_finite_differences():
         )
 
 
+@pytest.mark.slow
+def test_reverse_gradient_of_a_record_with_many_branches():
+    """By the spring and the level of twelve moduli, of stick and slip over 60 instants:
+    some 600 steps of two marches. A record of 400 instants, 20 branches and 256
+    elements takes 1.6 GB, most of it to compile.
+    """
+    time, times = np.linspace(0, 0.06, 60), np.geomspace(1e-4, 1.0, 12)
+
+    def place(stiffness, level):
+        rubber = em.Prony(1e6, level * np.full(12, 0.75e6), times)
+        found = em.drive(
+            rubber,
+            em.Sphere(5e-3),
+            time=time,
+            position=0.04 * time,
+            load=1.0,
+            tangential=em.Mount(0.1, stiffness, 1.0),
+            elements=64,
+        )
+        return found.position[-1] * 1e3
+
+    at = np.array([1e4, 1.0])
+    with jax.enable_x64(True):
+        both = jax.jit(jax.value_and_grad(place, argnums=(0, 1)))
+        slopes = both(*at)[1]
+        for i, step in enumerate(np.diag(1e-4 * at)):
+            ends = [both(*(at + s * step))[0] for s in (1, -1)]
+            np.testing.assert_allclose(
+                slopes[i] * at[i], (ends[0] - ends[1]) / 2e-4, rtol=1e-4
+            )
+
+
 def test_refuses_bad_mounts():
     for name, value in {"mass": 0.0, "stiffness": -1.0, "damping": np.nan}.items():
         with refused(name, f"{value:g}"):
