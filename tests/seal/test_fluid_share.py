@@ -84,16 +84,6 @@ def test_the_integral_over_what_contact_bears(pressure, part):
     assert bool(found.percolates) == (whole > 0)
 
 
-def fluid_pressure(found, x):
-    """That of the fluid at places x [m], between those of the profile."""
-    along, count = found.profile, found.profile.x.shape[-1]
-    every = zip(
-        along.x.reshape(-1, count), along.fluid_pressure.reshape(-1, count), strict=True
-    )
-    pressures = np.array([np.interp(x, *one) for one in every])
-    return pressures.reshape((*along.x.shape[:-1], *np.shape(x)))
-
-
 def test_a_seal_is_closed_until_the_fluid_opens_it():
     """Dry contact of 0.63 at 1 MPa leaks where the fluid carries half of it."""
     found = leak(1e6, np.array([1e5, 4e5, 5e5, 9e5]))
@@ -102,7 +92,7 @@ def test_a_seal_is_closed_until_the_fluid_opens_it():
     assert (found.area_ratio > 0.6).all()
     assert np.isnan(found.critical_gap).all()
     # behind the closed contact there is no fluid
-    half = fluid_pressure(found, 0.5 * LENGTH)
+    half = found.fluid_pressure(0.5 * LENGTH)
     assert (half[:2] == 0).all()
     assert (half[2:] > 4e5).all()
 
@@ -119,7 +109,7 @@ def test_fluid_along_an_even_seal():
     x = np.linspace(0, LENGTH, 9)
     along = solve_ivp(falls, (0, LENGTH), [drop], t_eval=x[:-1], rtol=1e-8)
     expected = np.append(along.y[0], 0.0)
-    np.testing.assert_allclose(fluid_pressure(found, x), expected, atol=2e-3 * drop)
+    np.testing.assert_allclose(found.fluid_pressure(x), expected, atol=2e-3 * drop)
 
 
 def ellipse(x, mean):
@@ -155,8 +145,8 @@ def test_a_pressure_that_changes_along_the_seal(mean, part):
     # where the ellipse is below the drop, on the side of the fluid
     lifted = LENGTH * 0.5 * (1 - np.sqrt(1 - (np.pi / 4 * part) ** 2))
     assert found.lifted == pytest.approx(lifted, abs=LENGTH / 64)
-    assert fluid_pressure(found, 0.2 * lifted) == pytest.approx(drop, rel=1e-4)
-    assert fluid_pressure(found, LENGTH) == 0
+    assert found.fluid_pressure(0.2 * lifted) == pytest.approx(drop, rel=1e-4)
+    assert found.fluid_pressure(LENGTH) == 0
 
 
 def lobes(u):
@@ -224,7 +214,7 @@ def test_hertz_against_his_mean_pressure():
     )
     assert shut.rate == 0
     assert not shut.percolates
-    assert fluid_pressure(shut, 0.9 * LENGTH) == 0
+    assert shut.fluid_pressure(0.9 * LENGTH) == 0
 
 
 def test_an_even_profile_is_an_even_pressure():
@@ -243,7 +233,7 @@ def test_an_even_profile_is_an_even_pressure():
             np.testing.assert_allclose(found.knudsen, even.knudsen, rtol=3e-3)
         x = LENGTH * np.array([0.0, 0.3, 0.8, 1.0])
         np.testing.assert_allclose(
-            fluid_pressure(found, 1.0 + x), fluid_pressure(even, x), atol=500.0
+            found.fluid_pressure(1.0 + x), even.fluid_pressure(x), atol=500.0
         )
 
 
@@ -354,8 +344,8 @@ def test_two_ribs_hold_the_fluid_between_them():
         RUBBER, TURNED, profile=(x[:201], pressure[:201]), pressure_drop=2.5e5, **SEAL
     )
     assert 0 < found.rate < one.rate
-    valley = fluid_pressure(found, 0.5 * LENGTH)
-    assert fluid_pressure(found, 0.48 * LENGTH) == pytest.approx(float(valley))
+    valley = found.fluid_pressure(0.5 * LENGTH)
+    assert found.fluid_pressure(0.48 * LENGTH) == pytest.approx(float(valley))
     assert 0 < valley < 2.5e5
     assert found.lifted > 0.1 * LENGTH
     assert "fluid presses harder" in found.summary()
@@ -666,5 +656,5 @@ def test_lengths_of_a_seal_under_one_pressure():
     assert found.rate.shape == (1, 3)
     np.testing.assert_allclose(found.rate[0, 1], alone.rate, rtol=1e-12)
     np.testing.assert_allclose(
-        fluid_pressure(found, [5e-4])[0, 1], fluid_pressure(alone, [5e-4]), rtol=1e-12
+        found.fluid_pressure([5e-4])[0, 1], alone.fluid_pressure([5e-4]), rtol=1e-12
     )

@@ -26,6 +26,7 @@ from ..checks import (
     as_float64,
     broadcast,
     broadcast_shape,
+    is_traced,
     nan_unless,
     not_negative,
     numbers_only,
@@ -215,6 +216,27 @@ class Leak(Result):
         drawn = self._draw(partial(draw, x=x, y=show, also=band), ask)
         logarithmic_if_wide(drawn, getattr(self, show), _LOG_RATIO)
         return drawn
+
+    def fluid_pressure(self, x: ArrayLike) -> Array:
+        """Pressure of the fluid over that behind the seal [Pa] at places x [m], the last
+        axis: from the edge on the side of the fluid, or those of a given profile.
+
+        Read between the places of `profile`. Raises `InputError` under `jax.jit`,
+        `grad` and `vmap`.
+        """
+        along, places = self.profile, as_float64("x", x)
+        if along is None or is_traced(places):
+            raise InputError(
+                argument="x",
+                accepted="in plain numbers, of a leak outside jax.jit, grad and vmap",
+            )
+        every = zip(
+            along.x.reshape(-1, along.x.shape[-1]),
+            along.fluid_pressure.reshape(-1, along.x.shape[-1]),
+            strict=True,
+        )
+        pressures = np.array([np.interp(places, *one) for one in every])
+        return pressures.reshape((*along.x.shape[:-1], *places.shape))
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Ranges of rate, gaps and real contact, how far the rate may be off and at how
