@@ -1,6 +1,7 @@
 """What an editor and a type checker see of the package."""
 
 import ast
+import dataclasses
 import importlib
 import inspect
 import pickle
@@ -119,3 +120,49 @@ def test_errors_have_what_they_say_as_attributes():
     assert raised.value.hint.startswith("20 degC is 293.15 K")
     with pytest.raises(TypeError):
         em.InputError("a sentence")  # pyright: ignore[reportCallIssue]
+
+
+EVERY = (
+    "error model_error converged extrapolated doubts to_csv to_dict to_pandas to_xarray "
+    "to_excel plot summary"
+)
+
+
+@pytest.mark.parametrize(
+    ("result", "names"),
+    [
+        (
+            em.FrictionCurve,
+            "velocity mu normal_force friction_force depth contact model plan hysteresis"
+            " adhesion area_ratio temperature_rise uncertainty elements law",
+        ),
+        (em.RollingCurve, "coefficient resistance moment power"),
+        (
+            em.Leak,
+            "rate conductance mean_gap critical_gap area_ratio percolates fluid_pressure",
+        ),
+        (
+            em.Lubricated,
+            "mu viscous asperity film_thickness least_film flow pressure",
+        ),
+        (
+            em.Reciprocating,
+            "film_out film_in net_leak friction_out friction_in",
+        ),
+        (
+            em.Indentation,
+            "edge_speed work_factor zone_ratio pull_off jump_in loop_energy",
+        ),
+        *(
+            (each, "")
+            for each in (
+                em.BreakOut, em.Conveyor, em.Dissipation, em.Drive, em.FrictionSpectrum,
+                em.HeatBuildUp, em.Impact, em.ORing, em.RoughContact, em.Shear, em.Slide,
+                em.Stability, em.Traction,
+            )
+        ),
+    ],
+)  # fmt: skip
+def test_results_have_what_users_were_promised(result, names):
+    has = {*dir(result), *(field.name for field in dataclasses.fields(result))}
+    assert not {*f"{EVERY} {names}".split()} - has

@@ -107,6 +107,10 @@ def test_smooth_stribeck_curve_keeps_mass():
     assert curve.imbalance.max() < 1e-10
     assert curve.mu == pytest.approx(curve.viscous)
     assert (np.diff(curve.film_thickness) > 0).all()
+    x = np.linspace(curve.profile.x.min(), curve.profile.x.max(), 4001)
+    per_length = np.trapezoid(curve.pressure(x), x, axis=-1)
+    carried = 1e3 / BODY.length
+    np.testing.assert_allclose(per_length, carried, rtol=5e-3)
 
 
 @pytest.mark.parametrize("viscosity", [1e4, 1e8])

@@ -64,7 +64,7 @@ from .gas import LeakGiven, check_absolute, check_gas, fluid_of
 from .leak_form import FittedChannels
 from .leak_theories import CriticalConstriction, EffectiveMedium, LeakTheory
 from .o_ring import ORing, check_rubber
-from .pressure_profile import Profile, pressure_profile
+from .pressure_profile import Profile, pressure_profile, read_along
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -224,19 +224,13 @@ class Leak(Result):
         Read between the places of `profile`. Raises `InputError` under `jax.jit`,
         `grad` and `vmap`.
         """
-        along, places = self.profile, as_float64("x", x)
-        if along is None or is_traced(places):
+        along = self.profile
+        if along is None or is_traced(x):
             raise InputError(
                 argument="x",
                 accepted="in plain numbers, of a leak outside jax.jit, grad and vmap",
             )
-        every = zip(
-            along.x.reshape(-1, along.x.shape[-1]),
-            along.fluid_pressure.reshape(-1, along.x.shape[-1]),
-            strict=True,
-        )
-        pressures = np.array([np.interp(places, *one) for one in every])
-        return pressures.reshape((*along.x.shape[:-1], *places.shape))
+        return read_along(x, along.x, along.fluid_pressure)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Ranges of rate, gaps and real contact, how far the rate may be off and at how

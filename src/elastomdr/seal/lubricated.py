@@ -60,6 +60,7 @@ from ..surface.spectrum import AbstractSpectrum, as_spectrum
 from ..trees import replaced
 from . import film as films
 from .leak import BOTH
+from .pressure_profile import read_along
 from .response import SealBody, bodies_of, compliance, response
 from .roughness import (
     FlowFactor,
@@ -195,6 +196,13 @@ class Lubricated(Result):
         "load",
         "temperature",
     )
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """Pressure of the film [Pa] at places x [m] along the motion, from the apex, the
+        last axis; read between the places of `profile`, which has that of the
+        asperities.
+        """
+        return read_along(x, self.profile.x, self.profile.pressure)
 
     def plot(
         self,

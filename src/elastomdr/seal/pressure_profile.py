@@ -24,6 +24,18 @@ _PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5}
 _MOST_BYTES = 10_000_000  # of a file of a profile
 
 
+def read_along(x: ArrayLike, places: Array, values: Array) -> Array:
+    """Values at x (any shape) between places (..., n) that ascend, those of the ends
+    beyond them; (..., *shape of x).
+    """
+    x = as_float64("x", x)
+    every = zip(
+        *(each.reshape(-1, each.shape[-1]) for each in (places, values)), strict=True
+    )
+    read = np.array([np.interp(x, *one) for one in every])
+    return read.reshape((*places.shape[:-1], *x.shape))
+
+
 def pressure_profile(profile: Profile | None, fewest: int) -> tuple[Array, Array]:
     """Positions [m] and pressures [Pa], of a pair or a file, `fewest` of them or more.
     Raises `InputError`.
