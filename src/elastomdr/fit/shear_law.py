@@ -206,6 +206,7 @@ class _FittedPoints(NamedTuple):
     warm: np.ndarray | None  # (1/T - 1/T_ref) 1e5/(R ln 10): decades per 100 kJ/mol
     mu: np.ndarray
     used: np.ndarray  # whether a point counts
+    size: np.ndarray  # of those that do: their error, or what it is in proportion to
     parts: Parts
     cutoff: Ends | None  # of ln q
 
@@ -232,9 +233,13 @@ class _FittedPoints(NamedTuple):
         log_v = self.log_v[self.used]
         return float(log_v.min()), float(log_v.max())
 
-    def off(self, p: np.ndarray, size: np.ndarray) -> np.ndarray:
-        """Model less measurement, over the error or what it is in proportion to."""
-        return (self.model(p) - self.mu)[self.used] / size
+    def off(self, p: np.ndarray) -> np.ndarray:
+        """Model less measurement, over the size."""
+        return (self.model(p) - self.mu)[self.used] / self.size
+
+    def chi(self, p: np.ndarray) -> float:
+        """The sum of squares."""
+        return float((self.off(p) ** 2).sum())
 
     def hysteresis(self, p: np.ndarray) -> np.ndarray:
         return self.parts(p[-1] if self.cutoff is not None else None)[0]
@@ -336,7 +341,10 @@ def adhesion(
         and np.ptp(temperature[used]) > _SAME
     ):
         warm = (1 / temperature - 1 / reference) * 1e5 / (GAS_CONSTANT * _LN10)
-    points = _FittedPoints(np.log10(data.velocity), warm, mu, used, *_between(computed))
+    known, size = _sizes(error, data, used)
+    points = _FittedPoints(
+        np.log10(data.velocity), warm, mu, used, size, *_between(computed)
+    )
     count = int(used.sum())
     if count <= len(points.names):
         raise InputError(
@@ -345,19 +353,17 @@ def adhesion(
             accepted=f"more points with an answer than the {len(points.names)} "
             f"parameters, {', '.join(points.names)}",
         )
-    known, size = _sizes(error, data, used)
-    p, success = _search(points, size)
+    p, success = _search(points)
     for _ in range(2 if isinstance(error, str) else 0):
         # in proportion to the sum, not to its scatter
         size = np.maximum(points.model(p)[used], 0.05 * mu[used].max())
-        p, success = _descend(points, size, p)
-    chi = _chi(points, p, size)
+        points = points._replace(size=size)
+        p, success = _descend(points, p)
     freedom = count - p.size
-    scale = 1.0 if known else np.sqrt(chi / freedom)
-    bounds = _intervals(points, size, p, chi, scale, freedom, known)
-    fit = _report(
-        points, data, computed, p, bounds, size * scale, reference, known, success
-    )
+    scale = 1.0 if known else np.sqrt(points.chi(p) / freedom)
+    bounds = _intervals(points, p, scale, freedom, known)
+    points = points._replace(size=points.size * scale)
+    fit = _report(points, data, computed, p, bounds, reference, known, success)
     tell(fit.warnings)
     return fit
 
@@ -558,11 +564,7 @@ def _sizes(
     return True, given[used]
 
 
-def _chi(points: _FittedPoints, p: np.ndarray, size: np.ndarray) -> float:
-    return float((points.off(p, size) ** 2).sum())
-
-
-def _search(points: _FittedPoints, size: np.ndarray) -> tuple[np.ndarray, bool]:
+def _search(points: _FittedPoints) -> tuple[np.ndarray, bool]:
     """Least squares from the best of many starts, in which the stress follows from all
     else.
     """
@@ -574,21 +576,21 @@ def _search(points: _FittedPoints, size: np.ndarray) -> tuple[np.ndarray, bool]:
     for rest in np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, len(axes)):
         p = np.concatenate([[0.0], rest])
         h = points.hysteresis(p)
-        shape = (points.model(p) - h)[points.used] / size
-        left = (points.mu - h)[points.used] / size
+        shape = (points.model(p) - h)[points.used] / points.size
+        left = (points.mu - h)[points.used] / points.size
         stress = max(float(shape @ left) / max(float(shape @ shape), 1e-300), 1e3)
         starts.append((float(((left - stress * shape) ** 2).sum()), np.log(stress), p))
     starts.sort(key=lambda start: start[0])
     descents = []
     for _, log_stress, p in starts[:_STARTS]:
         p[0] = np.clip(log_stress, *_LIMITS["stress"])
-        p, success = _descend(points, size, p)
-        descents.append((_chi(points, p, size), p, success))
+        p, success = _descend(points, p)
+        descents.append((points.chi(p), p, success))
     return min(descents, key=lambda one: one[0])[1:]
 
 
 def _descend(
-    points: _FittedPoints, size: np.ndarray, p: np.ndarray, held: int | None = None
+    points: _FittedPoints, p: np.ndarray, held: int | None = None
 ) -> tuple[np.ndarray, bool]:
     """Least squares from `p`, the parameter of number `held` as it is."""
     from scipy.optimize import least_squares
@@ -602,7 +604,7 @@ def _descend(
         return parameters
 
     answer = least_squares(
-        lambda x: points.off(whole(x), size),
+        lambda x: points.off(whole(x)),
         np.clip(p[free], low + 1e-9, high - 1e-9),
         jac="3-point",
         bounds=(low, high),
@@ -617,9 +619,7 @@ def _descend(
 
 def _intervals(
     points: _FittedPoints,
-    size: np.ndarray,
     p: np.ndarray,
-    chi: float,
     scale: float,
     freedom: int,
     known: bool,
@@ -629,19 +629,18 @@ def _intervals(
     """
     from scipy.special import ndtri, stdtrit
 
-    allowed = (
-        chi + (scale * float(ndtri(0.975) if known else stdtrit(freedom, 0.975))) ** 2
-    )
+    times = float(ndtri(0.975) if known else stdtrit(freedom, 0.975))
+    allowed = points.chi(p) + (scale * times) ** 2
     step = 1e-5
     columns = [points.model(p + h) - points.model(p - h) for h in step * np.eye(p.size)]
-    matrix = np.stack(columns, axis=-1)[points.used] / (2 * step * size[:, None])
+    matrix = np.stack(columns, axis=-1)[points.used] / (2 * step * points.size[:, None])
     spread = (
         np.sqrt(np.maximum(np.diag(np.linalg.pinv(matrix.T @ matrix)), 0.0)) * scale
     )
     return [
         (
-            _end(points, size, p, i, -1, allowed, spread[i]),
-            _end(points, size, p, i, 1, allowed, spread[i]),
+            _end(points, p, i, -1, allowed, spread[i]),
+            _end(points, p, i, 1, allowed, spread[i]),
         )
         for i in range(p.size)
     ]
@@ -649,7 +648,6 @@ def _intervals(
 
 def _end(
     points: _FittedPoints,
-    size: np.ndarray,
     p: np.ndarray,
     i: int,
     side: int,
@@ -662,16 +660,16 @@ def _end(
     from scipy.optimize import brentq
 
     limit = float(points.limits[i][(side + 1) // 2])
-    last = {"x": float(p[i]), "p": p}
+    last = p
 
     # it depends on where the last search ended: once found, a sign stays
     @functools.cache
     def over(x: float) -> float:
-        start = last["p"].copy()
+        nonlocal last
+        start = last.copy()
         start[i] = x
-        best, _ = _descend(points, size, start, i)
-        last.update(x=x, p=best)
-        return _chi(points, best, size) - allowed
+        last, _ = _descend(points, start, i)
+        return points.chi(last) - allowed
 
     step = 1.96 * float(np.clip(spread, 1e-6, abs(limit - p[i]) or 1e-6))
     inside = x = float(p[i])
@@ -727,7 +725,6 @@ def _report(
     computed: Mapping[float, _Computed],
     p: np.ndarray,
     bounds: list[Ends],
-    size: np.ndarray,
     reference: float | None,
     known: bool,
     success: bool,
@@ -742,7 +739,7 @@ def _report(
     )
     hysteresis, mu = points.hysteresis(p), points.model(p)
     error = np.full(points.mu.shape, np.nan)
-    error[points.used] = size
+    error[points.used] = points.size
     fit = AdhesionFit(
         law=law,
         q_high=values.get("q_high"),
@@ -757,12 +754,12 @@ def _report(
         used=points.used,
         error=np.where(points.used, error, np.nanmean(error)),
         reference=reference,
-        level=_level(points, computed, p, size),
+        level=_level(points, computed, p),
         compound=data.compound,
         converged=success,
         warnings=(),
     )
-    misfit = float(np.sqrt(np.mean((fit.residuals[points.used] / size) ** 2)))
+    misfit = float(np.sqrt(np.mean((fit.residuals[points.used] / points.size) ** 2)))
     return replace(
         fit, warnings=tuple(_judge(points, fit, estimate, misfit if known else 0.0))
     )
@@ -831,7 +828,6 @@ def _level(
     every: _FittedPoints,
     computed: Mapping[float, _Computed],
     p: np.ndarray,
-    size: np.ndarray,
 ) -> Ends | None:
     """The stress, all else held, where hysteresis is lower and higher by the bound of
     its model.
@@ -842,11 +838,13 @@ def _level(
         np.isfinite(off[used]).all() and (off[used] > 0).any()
     ):
         return None
-    shape = ((every.model(p) - h)[used]) / size
+    shape = ((every.model(p) - h)[used]) / every.size
     if not shape @ shape > 0:
         return None
     up, down = (
-        float(shape @ ((every.mu - h + side * off)[used] / size) / (shape @ shape))
+        float(
+            shape @ ((every.mu - h + side * off)[used] / every.size) / (shape @ shape)
+        )
         for side in (1, -1)
     )
     return float(np.exp(p[0]) * max(down, 0.0)), float(np.exp(p[0]) * up)
