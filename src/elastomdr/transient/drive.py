@@ -109,7 +109,10 @@ def drive(
             match, a track under a rough line, and a motion that would take too long,
             with the part of it that would not.
 
-    The bare line of the textbook, in steps of second order.
+    The bare line of the textbook, in steps of second order. Differentiable with respect
+    to material and mounts, in reverse as well, which keeps a state every 64 steps: 400
+    instants, 20 branches and 256 elements take 1.6 GB, and 21 s of one core once
+    compiled.
 
     Source: Popov & Hess 2015, ch. 7, 10 and 19; `docs/theory.md`.
     """
