@@ -121,6 +121,21 @@ def test_what_rested_pulls_up_to_the_glassy_modulus():
     assert pulls[-1] < 10
 
 
+def test_rubber_that_creeps_closes_under_a_load_that_falls_slowly():
+    """Pulled, the edge advances nevertheless: as without adhesion, where that is weak."""
+    time = np.append(0.0, np.append(np.geomspace(1e-4, 1e-3, 9), np.geomspace(2e-3, 1)))
+    load = 50 * JKR * np.interp(time, [0.0, 1e-3, 1.0], [0.0, 1.0, 0.9])
+    plain, sticky = (
+        em.indent(RUBBER, BALL, time=time, load=load, adhesion=adhesion)
+        for adhesion in (None, em.Adhesion(5e-4, cutoff=1e-6))
+    )
+    pulled = time > 1e-3
+    assert sticky.contact_radius[-1] > 1.7 * sticky.contact_radius[pulled][0]
+    np.testing.assert_allclose(
+        sticky.contact_radius[pulled], plain.contact_radius[pulled], rtol=0.015
+    )
+
+
 def test_factor_of_the_edge():
     """1/Gamma = 1 - (1-k)(sqrt(1+b^2) - 1)/b with b = 2 pi nu/Gamma, solved by hand."""
     law = RUBBER.law()
