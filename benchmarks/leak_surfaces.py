@@ -4,7 +4,7 @@
     python benchmarks/leak_surfaces.py [--seeds 2]
 
 Maps in three dimensions: with a lay of a Peklenik number on all scales (`rough_map`),
-and with a skewness at the same spectrum (`non_gaussian.skewed`). Each is pressed at the
+and with a skewness at the same spectrum (`skewed_roads.skewed`). Each is pressed at the
 pressures for which Persson's theory has a real contact of 2 to 33 %, and Reynolds'
 equation is solved on its gaps, along the lay and across it. Flow is counted over that
 of the map without lay or skewness with the same random numbers.
@@ -16,7 +16,7 @@ import itertools
 import numpy as np
 from common import heading, save, table, verdict
 from leak_maps import levels
-from non_gaussian import skewed
+from skewed_roads import skewed
 
 import elastomdr as em
 from elastomdr.seal.gap_maps import flow, pressed

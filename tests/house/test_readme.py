@@ -353,7 +353,8 @@ def test_theory_has_the_constants_of_multiscale():
         rf"{{{multiscale._CONTRAST:g}\,|E^*(",
         f"$10^{np.log10(multiscale._MOST_CONTRAST):g}$ times",
         f"the power {multiscale._MOST_SLOPE:g} of $q$",
-        rf"e^{{{surface._PER_SKEWNESS:g}\,\hat s",
+        rf"e^{{{surface._PER_TOP[True]:g}\,|\ln\chi|+{surface._PER_TOPS:g}\,",
+        rf"{surface._PER_SAMPLE:g}\,\delta s}}",
         rf"e^{{{surface._PER_LAY:g}\,\overline",
     ):
         assert number in text, number

@@ -262,7 +262,7 @@ def test_a_pit_that_moves_no_friction_moves_no_bound():
         surface = em.read_surface(pitted, pixel_size=STEP, shortest=4 * STEP)
     clean = mu(em.read_surface(height, pixel_size=STEP, shortest=4 * STEP))
     dusty = mu(surface)
-    assert dusty.mu == pytest.approx(clean.mu, rel=1e-3)
+    assert dusty.mu == pytest.approx(clean.mu, rel=5e-3)
     assert dusty.model_error == pytest.approx(clean.model_error, rel=0.2)
     assert any("of 65536 points" in said for said in surface.report)
 

@@ -12,6 +12,7 @@ import pytest
 import elastomdr as em
 from elastomdr.cli.kinds import read_scene
 from elastomdr.rough import against_lay, half_space
+from elastomdr.surface.height_map import _PLACES
 from elastomdr.surface.lay import Lay
 from elastomdr.surface.topography import MeasuredSurface
 
@@ -109,8 +110,7 @@ def test_the_bound_holds_the_sampling_error_of_a_lay(peklenik):
 def test_a_wide_bound_names_lay_and_skewness_and_the_advice_helps():
     lay = dataclasses.replace(ground(4.0).lay, error=np.array([0.6, 0.3]))
     rough = dataclasses.replace(ground(4.0), lay=lay)
-    small = dataclasses.replace(ground(1.0), lay=None, skewness_error=0.6)
-    known = dataclasses.replace(small, skewness_error=0.1)
+    worn = dataclasses.replace(ground(1.0), lay=None, tops=-_PLACES)
     at = {"velocity": 1e-2, "pressure": 2e4}
     along, across = {"direction": 0.0}, {"direction": np.pi / 2}
     heavy = {"pressure": 2e6}
@@ -120,15 +120,14 @@ def test_a_wide_bound_names_lay_and_skewness_and_the_advice_helps():
         (rough, {}, "a `direction` has less", rough, across),
         (rough, along, "Peklenik numbers have a sampling error", ground(4.0), along),
         (steep, along, "directions of their own", steep, along | heavy),
-        (small, {}, "known within +- 0.6, and Gaussian", known, {}),
-        (dataclasses.replace(known, skewness=-1.0), {}, "-1.00 are not", known, heavy),
+        (worn, {}, "tops of the heights have other slopes", worn, heavy),
     )
     for surface, call, reason, other, advice in cases:
         wide = em.friction(SOLID, surface, **at | call)
         assert reason in why_wide(wide)
         better = em.friction(SOLID, other, **at | advice)
         assert better.model_error / better.mu < wide.model_error / wide.mu
-    assert "Gaussian" not in why_wide(em.friction(SOLID, rough, **at))
+    assert "tops" not in why_wide(em.friction(SOLID, rough, **at))
 
 
 def why_wide(curve):
@@ -136,18 +135,19 @@ def why_wide(curve):
 
 
 def test_random_maps_of_a_measured_surface_have_a_bound():
-    """Of its skewness, its lay and their sampling errors; random maps of a spectrum and
+    """Of its heights, its lay and their sampling errors; random maps of a spectrum and
     the measured map itself have none.
     """
     at = {"velocity": 1e-2, "pressure": 4e5, "rtol": 1e-2}
     maps = em.HalfSpace(seeds=2, cells=64)
     lay = dataclasses.replace(ground(2.0).lay, error=np.array([0.3, 0.2]))
     skewed = dataclasses.replace(
-        ground(1.0), lay=None, skewness=-0.5, skewness_error=0.2
+        ground(1.0), lay=None, tops=-0.2 * _PLACES, skewness_error=0.2
     )
     curve = em.friction(SOLID, skewed, **at, model=maps)
-    skewness = np.hypot(0.5, 1.5 * 0.2)
-    expected = np.expm1(0.6 * skewness * np.sqrt(-np.log(curve.area_ratio)))
+    at_contact = 0.2 * np.sqrt(-np.log(curve.area_ratio))
+    at_all = 0.2 * np.sqrt(np.mean(_PLACES**2))
+    expected = np.expm1(2 * at_contact + 0.1 * at_all + 0.5 * 0.2)
     assert curve.model_error == pytest.approx(expected * curve.mu, rel=1e-12)
     assert em.friction(SOLID, ROAD, **at, model=maps).model_error is None
     for given in ({}, {"direction": 0.3}):
@@ -167,7 +167,7 @@ def test_draws_keep_the_limits_of_the_model():
     """As a result without draws has them, in the numbers of one draw."""
     lay = dataclasses.replace(ground(4.0).lay, error=np.full(ROAD.q.size, 0.2))
     surface = dataclasses.replace(
-        ground(4.0), lay=lay, skewness=-1.0, skewness_error=0.1
+        ground(4.0), lay=lay, tops=-_PLACES, skewness_error=0.1
     )
     given = {"velocity": 0.1, "pressure": 1e4}
     one = em.friction(SOLID, surface, **given)
@@ -175,8 +175,8 @@ def test_draws_keep_the_limits_of_the_model():
     drawn = em.friction(SOLID, surface.draws(3, level=0.1), **given)
     assert why_wide(one)[:12] in why_wide(drawn)
     assert why_wide(drawn.typical()) == why_wide(drawn)
+    assert dict(drawn.inputs)["direction"].startswith("in 3 of 3 draws, first: ")
     for row in ("heights", "direction"):
-        assert dict(drawn.inputs)[row].startswith("in 3 of 3 draws, first: ")
         assert row in drawn.summary()
         assert alone[row][:12] in dict(drawn.inputs)[row]
 
@@ -284,7 +284,8 @@ def test_directions_that_are_refused():
 
 
 def test_a_worn_map_itself():
-    """Summits worn flat at all scales: the spectrum does not know of them, the map does.
+    """Summits worn flat at all scales: the spectrum does not know of them, the map and
+    the slopes of its tops do.
 
     The map is periodic, so that its solution by itself is the truth.
     """
@@ -305,7 +306,10 @@ def test_a_worn_map_itself():
     curve = em.friction(SOLID, worn, **at, model=em.HalfSpace(), rtol=1e-3)
     assert curve.mu == pytest.approx(truth, rel=0.04)
     assert abs(curve.mu - truth) < curve.error
-    assert em.friction(SOLID, worn, **at).mu > 1.3 * truth
+    default = em.friction(SOLID, worn, **at)
+    assert abs(default.mu - truth) < default.model_error
+    gaussian = em.Spectrum(worn.q, worn.c, convention="2d")
+    assert em.friction(SOLID, gaussian, **at).mu > 1.3 * truth
     assert "64 by 64 cells" in curve.summary()
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.surface.height_map import _PLACES
 from elastomdr.surface.lay import Lay
 from elastomdr.surface.topography import MeasuredSurface
 
@@ -82,6 +83,7 @@ def surface(options: tuple[str, ...]) -> Any:
         measured_height=ROAD.rms_height,
         skewness=-0.5 if "skewness" in options else 0.0,
         skewness_error=0.1 if "skewness" in options else 0.0,
+        tops=-0.2 * _PLACES if "skewness" in options else None,
         report=(),
         lay=lay if "direction" in options else None,
     )

@@ -131,6 +131,19 @@ class Local(NamedTuple):
             self.warmed is not None and self.warmed.body.vertical is not None
         )
 
+    @property
+    def by_point(self) -> bool:
+        """Whether moduli differ between points of one velocity."""
+        alike = self.softened is None or np.ndim(self.softened.share) == 0
+        return not alike or self.warmed is not None or self.directed is not None
+
+    def raised(self, ratio: Array) -> Local:
+        """The same on heights times `ratio` (points,), which strain the rubber more."""
+        if self.softened is None:
+            return self
+        share = self.softened.share * ratio[:, None, None]
+        return self._replace(softened=self.softened._replace(share=share))
+
     def of(self, points: Which) -> Local:
         """The same for some of the points."""
         local, warm = self, self.warmed

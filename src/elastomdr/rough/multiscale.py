@@ -56,6 +56,8 @@ from ..material.tabulated import LEFT_OUT
 from ..numerics.implicit import as_doubles, numbers_with_slopes
 from ..numerics.interpolation import hermite
 from ..numerics.quadrature import gauss
+from ..numerics.root import root
+from ..surface.height_map import top_slope
 from ..surface.lay import lay_of
 from . import against_lay
 from .local_modulus import Local, SoftenedByScale, Warmed
@@ -159,7 +161,7 @@ def _in_batches(model: WaveByWave, problem: RoadProblem, per_decade: int) -> Any
     modulus = problem.foundation.complex_modulus
     wave_nodes = nodes(spectrum, per_decade, bends(spectrum, local))
     table = table_of(modulus, wave_nodes, velocity, per_decade, local)
-    if worth_compiling(velocity.size, local):
+    if wave_nodes.tops is None and worth_compiling(velocity.size, local):
         return friction_and_area(model, wave_nodes, table, velocity, pressure)
     # those of one velocity side by side: much of their work is the same
     order = np.argsort(velocity, kind="stable")
@@ -295,11 +297,55 @@ def waves_of_persson(problem: WaveProblem, energy_factor: tuple[float, bool]) ->
 
 
 def waves_of_multiscale(problem: WaveProblem, form: Form = FORM) -> Waves:
-    """Friction wave by wave."""
+    """Friction wave by wave; of measured heights that of Gaussian ones r times as high.
+
+    Heights times r under p are heights under p/r, whose friction is times r. r is the
+    rms slope of the highest part of the map, as large as the real contact, over that of
+    all of it: an equation for r, since the contact is smaller on higher heights.
+    """
+    tops = problem.nodes.tops
+    if tops is None:
+        return _of_gaussian(problem, form)
+    residual = _off_tops(problem, tops, form)
+    log_ratio, found = root(residual, 0 * problem.pressure, slope=1.0)
+    ratio = xp.where(found, xp.exp(log_ratio), np.nan)
+    local = problem.local.raised(ratio)
+    under = problem._replace(pressure=problem.pressure / ratio, local=local)
+    waves = _of_gaussian(under, form)
+    each = waves.each * ratio[:, None, None]
+    return waves._replace(each=each, edges=waves.edges * ratio)
+
+
+def _off_tops(problem: WaveProblem, tops: Array, form: Form) -> Callable[[Array], Any]:
+    """By how much ln r exceeds that of the contact on heights times r."""
+
+    def end(local: Local) -> tuple[Any, Any]:
+        """R at q_high, and how much stiffer contacts are there."""
+        moduli, wave_nodes, velocity, pressure, _ = problem
+        at = averages_of(moduli, velocity, wave_nodes.q, local, form.finer)
+        rate = rate_of(wave_nodes, at.stiffness, pressure[:, None, None])
+        last = xp.reshape(wave_nodes.end, (1, 1))
+        stiffer = _stiffer(moduli, velocity, last, local, form.finer)
+        return (rate * wave_nodes.weight).sum((-2, -1)), stiffer[:, 0, 0]
+
+    local = problem.local
+    always = end(local) if local.softened is None else None
+
+    def residual(log_ratio: Array) -> Any:
+        total, stiffer = always or end(local.raised(xp.exp(log_ratio)))
+        total = total * xp.exp(2 * log_ratio)
+        area = real_area(contact(total, form.gamma, True, stiffer))
+        return log_ratio - top_slope(tops, area)
+
+    return residual
+
+
+def _of_gaussian(problem: WaveProblem, form: Form) -> Waves:
+    """Friction of Gaussian heights, wave by wave."""
     moduli, wave_nodes, velocity, pressure, local = problem
     p = pressure[:, None, None]
     speeds, each_point = velocity, lambda values: values
-    if local.warmed is None and local.directed is None:  # points differ in no more
+    if not local.by_point:
         speeds, each_point = distinct(velocity)
 
     def summed(values: Array) -> Any:

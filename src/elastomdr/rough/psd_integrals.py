@@ -38,6 +38,7 @@ import numpy as np
 from ..arrays import Array, is_traced, special, xp
 from ..numerics.interpolation import even_cubics, hermite, interval_of
 from ..numerics.quadrature import gauss, gauss_unit
+from ..surface.height_map import tops_of
 
 if TYPE_CHECKING:
     from .._types import ComplexArray
@@ -66,6 +67,7 @@ class Nodes(NamedTuple):
     end: Array  # q_high [rad/m]
     log_end: Array  # log(q_high/q_low)
     end_power: Array  # q^4 C there
+    tops: Array | None = None  # of measured heights, as `top_slopes` gives them
 
 
 class Averages(NamedTuple):
@@ -143,6 +145,7 @@ def nodes(
         xp.exp(log_low + log_q[-1]),
         log_q[-1],
         xp.exp(4 * (log_low + log_q[-1]) + log_c[-1]),
+        tops_of(spectrum),
     )
 
 

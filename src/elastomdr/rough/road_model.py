@@ -103,6 +103,9 @@ class SurfaceModel(Model, ABC):
     # whether `solve` follows the softening of the material from scale to scale; a model
     # that does not is linear, and its results say so
     softens: ClassVar[bool] = False
+    # whether `solve` follows the slopes of the tops of measured heights (`Nodes.tops`);
+    # others take heights as Gaussian
+    follows_tops: ClassVar[bool] = False
     # whether `solve` follows `local.directed`, the direction of sliding on a surface
     # with a lay; others refuse a direction
     takes_direction: ClassVar[bool] = False

@@ -15,6 +15,8 @@ from ..checks import (
 )
 from ..errors import InputError
 from ..models import seeds_of
+from ..surface.height_map import tops_of
+from ..surface.lay import lay_of
 from ..units.arguments import constructor_in_si
 from . import multiscale
 from .road_model import (
@@ -96,9 +98,12 @@ class Multiscale(_ClosedIntegrals):
     surface under a pressure.
 
     It has no options and no random numbers. `model_error` bounds its distance from a
-    three-dimensional solution.
+    three-dimensional solution. Of a surface that `em.read_surface` read from heights it
+    takes the slopes of their tops; `em.Spectrum(road.q, road.c, convention="2d")` is the
+    one with Gaussian heights.
     """
 
+    follows_tops: ClassVar[bool] = True
     label: ClassVar[str] = "multiscale"
 
     def words(self) -> str:
@@ -170,7 +175,7 @@ class HalfSpace(SurfaceModel):
 
     A surface that `em.read_surface` read from one map is that map itself, its edges
     made to meet, unless `seeds` or `periods` ask for random maps of its spectrum. Of
-    these `model_error` is what skewness and lay of the surface may change, and their
+    these `model_error` is what heights and lay of the surface may change, and their
     sampling errors; of all others there is none.
     """
 
@@ -226,8 +231,7 @@ class HalfSpace(SurfaceModel):
         area: Array,
         of_area: bool = False,
     ) -> Array | None:
-        # random maps have the spectrum of a measured surface and not its skewness; what
-        # that and a lay change is added for all models alike
-        others = ("skewness", "skewness_error", "lay")
-        differs = any(getattr(surface, name, None) for name in others)
+        # random maps have the spectrum of a measured surface and not its heights; what
+        # these and a lay change is added for all models alike
+        differs = tops_of(surface) is not None or lay_of(surface) is not None
         return 0.0 * area if differs and not self.on_map(surface) else None

@@ -40,9 +40,9 @@ from ..results.curve import FrictionCurve
 from ..results.doubts import Doubt, where
 from ..results.words import brief, surface_in_words
 from ..smooth.softening import LINEAR
+from ..surface.height_map import top_slope, tops_of
 from ..surface.lay import lay_of
 from ..surface.spectrum import AbstractSpectrum
-from ..surface.topography import skewness_bound
 from .adhesion import AdhesiveShear, Known, check_adhesion, sheared, why_hotter
 from .against_lay import Directed
 from .heat import NO_STATE, Heat, check_heat, why_no_state
@@ -68,10 +68,12 @@ SOFTENING_LEFT_OUT = (
     "of the material is left out: this model is linear, its moduli are of small strain",
 )
 _SOFTENED = "; moduli softened by the strain of each length scale"
-# ln(mu/mu_Gaussian) over the skewness of the heights and sqrt(-ln A): the median of maps,
-# and what 97 % of them stay below
-_SKEWED, _PER_SKEWNESS = 0.4, 0.6
-_CHANCE = 2.5  # standard errors below which a skewness is said to be chance
+# bound on |ln(mu/mu_3D)| of measured heights, and on that of the real contact: over the
+# log slope of the tops at the contact, of a model that follows it and of others, over
+# its rms at all shares, and over the standard error of the skewness:
+# benchmarks/skewed_roads.py
+_PER_TOP = {True: 0.3, False: 2.0}
+_PER_TOPS, _PER_SAMPLE = 0.1, 0.5
 # |ln(mu/mu_3D)| that a lay adds, over ln g and sqrt(-ln A): benchmarks/anisotropic.py
 _PER_LAY = 0.12
 _LAY_ERRORS = 2.0  # standard errors of a Peklenik number that a bound holds
@@ -221,7 +223,7 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     if softened is not None:
         marks += strained_beyond(softened, foundation.range, scene.shape)
     label = surface_in_words(surface)
-    inputs = _inputs(scene, label, surface, heat, answer, strained, of_data, outside)
+    inputs = _inputs(scene, label, model, heat, answer, strained, of_data, outside)
     inputs += turned.rows + states
     curve = _report(scene, model, answer, strained, turned, of_data)
     curve = dataclasses.replace(
@@ -335,7 +337,7 @@ def _warn_of_failed(
 def _inputs(
     scene: SteadyScene,
     label: str,
-    surface: AbstractSpectrum,
+    model: SurfaceModel,
     heat: Heat | None,
     answer: _Answer,
     strained: _Strained,
@@ -343,13 +345,13 @@ def _inputs(
     outside: Array | None,
 ) -> list[tuple[str, str]]:
     """What a result says of its arguments."""
-    hysteresis = answer.hot
+    hysteresis, surface = answer.hot, answer.problem.surface
     rows = scene.inputs(
         ("surface", label),
         *(("as read", remark) for remark in getattr(surface, "report", ())),
     )
-    if not scene.traced and any(_skewness(surface)):
-        rows += [("heights", _skewed_words(surface, hysteresis.area))]
+    if not scene.traced and tops_of(surface) is not None and not model.on_map(surface):
+        rows += [("heights", _tops_words(model, surface, hysteresis.area))]
     if heat is not None:
         longest = None if scene.traced else float(2 * np.pi / surface.q_low)
         rows += [("heat", heat.words(longest))]
@@ -384,7 +386,7 @@ def _judge(
         unknown &= ~np.ravel(told)
     widths = (
         (strained.of_mu, _WIDE_BY_STRAIN),
-        (mu * np.expm1(_of_skewness(surface, area)), _wide_by_skewness(surface)),
+        (mu * np.expm1(_of_tops(model, surface, area)), _wide_by_tops(model)),
         (mu * np.expm1(_of_lay(surface, area)), _WIDE_BY_LAY),
         (
             turned.of_mu,
@@ -418,20 +420,16 @@ def _of_shear(curve: FrictionCurve) -> Array | float:
     return Known.of(curve.adhesion, 0.0, None, curve.area_ratio, alone).bound.ravel()
 
 
-def _wide_by_skewness(surface: AbstractSpectrum) -> str:
-    """Why the skewness of the heights widens a bound, and what would lower that."""
-    skewness, error = _skewness(surface)
-    itself = "em.HalfSpace() slides over the map itself"
-    if getattr(surface, "map", None) is None:
-        itself = "em.HalfSpace() needs no such assumption on a map of heights"
-    if abs(skewness) < _CHANCE * error:
+def _wide_by_tops(model: SurfaceModel) -> str:
+    """Why heights that are not Gaussian widen a bound, and what would lower that."""
+    if not model.follows_tops:
         return (
-            f"the skewness of the heights is known within +- {error:.2g}, and Gaussian "
-            f"heights are assumed: a map of more of its longest waves has less; {itself}"
+            "Gaussian heights are assumed: em.Multiscale() follows those of the map, "
+            "em.HalfSpace() slides over it"
         )
     return (
-        f"heights of skewness {skewness:.2f} are not Gaussian, as is assumed: more real "
-        f"contact has less; {itself}"
+        "the tops of the heights have other slopes than the rest: more real contact has "
+        "less, and em.HalfSpace() slides over the map itself"
     )
 
 
@@ -894,25 +892,15 @@ def _misfit(
     return np.where(np.isfinite(within), within, whole)
 
 
-def _skewed_words(surface: AbstractSpectrum, area: Array) -> str:
-    """What a skewness of the heights does."""
-    skewness, error = _skewness(surface)
-    change = _SKEWED * np.sqrt(-np.log(np.clip(area, 1e-300, 1.0)))
-
-    def times(skewness: float) -> str:
-        return _between(np.exp(skewness * change))
-
-    if abs(skewness) < _CHANCE * error:
-        likely = skewness_bound(skewness, error)
-        return (
-            f"their skewness, {skewness:.2f} +- {error:.2f}, may be chance; one of "
-            f"{-likely:.2f} would make friction {times(-likely)} what is computed, which "
-            "the model error holds: a larger map, or several, know it better"
-        )
-    kind = "peaks" if skewness > 0 else "pits, or worn summits"
+def _tops_words(model: SurfaceModel, surface: AbstractSpectrum, area: Array) -> str:
+    """How the tops of measured heights differ from the rest, and what follows it."""
+    times = _between(np.exp(top_slope(tops_of(surface), area)))
+    what = "which friction follows"
+    if not model.follows_tops:
+        what = "which this model leaves out and the model error holds"
     return (
-        f"not Gaussian, skewness {skewness:.2f} ({kind}): friction is some "
-        f"{times(skewness)} what is computed, which the model error holds"
+        f"the highest part, as large as the real contact, has {times} the rms slope of "
+        f"all, {what}"
     )
 
 
@@ -922,20 +910,18 @@ def _between(factors: np.ndarray) -> str:
     return f"{low} times" if low == high else f"{low} to {high} times"
 
 
-def _skewness(surface: AbstractSpectrum) -> tuple[float, float]:
-    """Skewness of the heights and its standard error, zero where nothing is known."""
-    return getattr(surface, "skewness", 0.0), getattr(surface, "skewness_error", 0.0)
-
-
-def _of_skewness(surface: AbstractSpectrum, area: Array) -> Array:
-    """Bound on |ln(mu/mu_Gaussian)| of a measured surface by the skewness of its
-    heights, and on that of the real contact.
-
-    Source: benchmarks/non_gaussian.py, maps in three dimensions.
+def _of_tops(model: SurfaceModel, surface: AbstractSpectrum, area: Array) -> Array:
+    """Bound on |ln(mu/mu_3D)| by heights that are not Gaussian, and on that of the
+    real contact.
     """
-    skewness = skewness_bound(*_skewness(surface))
-    area = xp.clip(area, 1e-300, 1.0)
-    return _PER_SKEWNESS * skewness * xp.sqrt(-xp.log(area))
+    tops = tops_of(surface)
+    if tops is None:
+        return 0.0 * area
+    at_contact = xp.abs(top_slope(tops, area))
+    at_all = xp.sqrt(xp.mean(tops**2))
+    sample = getattr(surface, "skewness_error", 0.0)
+    follows = _PER_TOP[model.follows_tops]
+    return follows * at_contact + _PER_TOPS * at_all + _PER_SAMPLE * sample
 
 
 def _of_lay(surface: AbstractSpectrum, area: Array) -> Array:
@@ -949,11 +935,14 @@ def _of_lay(surface: AbstractSpectrum, area: Array) -> Array:
     return _PER_LAY * stretch * xp.sqrt(-xp.log(xp.clip(area, 1e-300, 1.0)))
 
 
-def bound_of_heights(surface: AbstractSpectrum, area: Array) -> Array:
-    """What skewness and lay of a measured surface add to a relative bound, of friction
-    or of the real contact.
+def bound_of_heights(
+    model: SurfaceModel, surface: AbstractSpectrum, area: Array
+) -> Array:
+    """What tops and lay of a measured surface add to a relative bound, of friction or
+    of the real contact.
     """
-    return xp.expm1(_of_skewness(surface, area)) + xp.expm1(_of_lay(surface, area))
+    of_tops = _of_tops(model, surface, area)
+    return xp.expm1(of_tops) + xp.expm1(_of_lay(surface, area))
 
 
 def _model_error(
@@ -981,7 +970,7 @@ def _model_error(
     bound = model.bound(body, road, velocity, area, of_area)
     if bound is None:
         return None
-    bound = bound + bound_of_heights(road, area)
+    bound = bound + bound_of_heights(model, road, area)
     if not of_area:
         bound = abs(hysteresis.mu) * bound
     return answer.field(scene.shape, bound + of_strain)

@@ -16,12 +16,24 @@ out, and the grid has four cells or more for the shortest.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import xp
+from ..numerics.interpolation import hermite, parabola_slopes
+
+if TYPE_CHECKING:
+    from ..arrays import Array
+
 PER_WAVE = 4  # cells of a grid to the shortest wave that is left where waves are cut
 _MULTIPLE = 4  # of which the cells along a side are one
+# (-ln A)^(1/2) of the shares A at which slopes of tops are kept
+_PLACES = np.linspace(0.0, 3.0, 21)
+# points of a top at least, and its share over the square of the skewness' standard
+# error, two of the longest waves: there chance moves the slope by some 10 %; least rms
+# slope of a top over that of all
+_FEWEST, _LEAST_SHARE, _FLATTEST = 16, 0.3, 0.02
 
 
 class PeriodicMap(NamedTuple):
@@ -117,3 +129,32 @@ def _on_grid(waves: np.ndarray, cells: tuple[int, int]) -> np.ndarray:
     (from_x, to_x), (from_y, to_y) = places
     whole[np.ix_(to_x, to_y)] = waves[np.ix_(from_x, from_y)]
     return np.fft.ifft2(whole).real * (whole.size / waves.size)
+
+
+def top_slopes(
+    height: np.ndarray, steps: tuple[float, ...], error: float
+) -> np.ndarray:
+    """The logarithm of the rms slope of the highest part of a map or profile over that
+    of all of it, at the shares `_PLACES`; that of the least share that holds enough of
+    the surface below it. `error` is the standard error of the skewness.
+    """
+    slopes = np.reshape(np.gradient(height, *steps), (height.ndim, -1))
+    square = (slopes**2).sum(0)[np.argsort(-height, axis=None, kind="stable")]
+    mean = np.cumsum(square) / np.arange(1, square.size + 1)
+    shares = np.maximum(np.exp(-(_PLACES**2)), min(_LEAST_SHARE * error**2, 1.0))
+    count = np.maximum(shares * square.size, _FEWEST).astype(int)
+    return 0.5 * np.log(np.maximum(mean[count - 1] / mean[-1], _FLATTEST**2))
+
+
+def top_slope(tops: Array, area: Array) -> Any:
+    """The same at a real contact `area` over the nominal one: cubics between
+    `_PLACES`, level at full contact.
+    """
+    place = xp.sqrt(xp.maximum(-xp.log(xp.maximum(area, 1e-300)), 1e-24))
+    slopes = xp.concatenate([xp.zeros(1), parabola_slopes(_PLACES, tops)[1:]])
+    return hermite(_PLACES, tops, slopes, xp.minimum(place, _PLACES[-1]))
+
+
+def tops_of(surface: object) -> Any:
+    """`top_slopes` of a surface; None of one that does not know its heights."""
+    return getattr(surface, "tops", None)

@@ -28,7 +28,7 @@ from ..checks import is_traced, scalar
 from ..errors import InputError, ModelWarning, amount, warn
 from ..material.validity import Draws
 from ..trees import static
-from .height_map import HeightMap
+from .height_map import HeightMap, top_slopes
 from .lay import Lay, Periodogram, measured_lay
 from .spectrum import AbstractSpectrum, Spectrum
 
@@ -225,7 +225,28 @@ def surface(
         report=tuple(report),
         lay=lay,
         map=_only_map(parts, shortest is not None),
+        tops=_tops(widest, joined.error, shortest is not None),
     )
+
+
+def _tops(part: _Part, error: float, cut: bool) -> np.ndarray:
+    """The slopes of the tops of a scan whose skewness has a standard error: without its
+    shortest waves where `em.HalfSpace` takes it without them.
+    """
+    end = part.highest if cut or part.limit.noisy else np.inf
+    height, _ = _without_outliers(part.scan.height)
+    _, height = _between(height, part.waves, 0.0, end)
+    return top_slopes(height, part.scan.steps, error)
+
+
+def _between(
+    height: np.ndarray, waves: _Waves, low: float, high: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The waves of heights between two wave numbers [rad/m], and their heights."""
+    spread = np.fft.rfftn(height)
+    kept = np.where(_within(waves.q.reshape(spread.shape), low, high), spread, 0.0)
+    axes = tuple(range(height.ndim))
+    return kept, np.fft.irfftn(kept, s=height.shape, axes=axes)
 
 
 def _only_map(parts: Sequence[_Part], cut: bool) -> HeightMap | None:
@@ -640,11 +661,7 @@ class _Moments(NamedTuple):
 def _moments(scan: Scan, waves: _Waves, low: float, high: float) -> _Moments:
     """Of the heights between two wave numbers [rad/m]."""
     height, outliers = _without_outliers(scan.height)
-    spread = np.fft.rfftn(height)
-    q = waves.q.reshape(spread.shape)
-    kept = np.where(_within(q, low, high), spread, 0.0)
-    axes = tuple(range(scan.height.ndim))
-    heights = np.fft.irfftn(kept, s=scan.height.shape, axes=axes)
+    kept, heights = _between(height, waves, low, high)
     variance = np.mean(heights**2)
     power = np.abs(kept) ** 2
     independent = 2 * power.sum() ** 2 / (power**2).sum()  # half of the waves
@@ -730,9 +747,10 @@ def _warn_of_skewness(heights: _Asymmetry) -> None:
         return
     worn = "less" if heights.skewness < 0 else "more"
     warn(
-        f"heights of skewness {heights.skewness:.2f} are not Gaussian, as friction by "
-        f"their spectrum assumes: it is likely to be {worn}, which model_error holds. "
-        "em.HalfSpace() slides over the heights of one map themselves.",
+        f"heights of skewness {heights.skewness:.2f} are not Gaussian: friction by "
+        "em.Multiscale(), the default, follows the slopes of their tops. By other models "
+        f"it is likely to be {worn} than they say, which model_error holds, but by "
+        "em.HalfSpace(), which slides over the heights of one map themselves.",
         ModelWarning,
     )
 
@@ -850,6 +868,8 @@ class MeasuredSurface(AbstractSpectrum):
     lay: Lay | None = None  # where C depends on direction; `c` is its mean then
     map: HeightMap | None = static(default=None)  # the heights of a single map
     changed: bool = static(default=False)  # after it was read, which begins its report
+    # `top_slopes` of the heights; those of Gaussian ones are zero
+    tops: Float[np.ndarray, " shares"] | None = None
     label: ClassVar[str] = "measured surface"
 
     def ended(self, q_high: Number) -> MeasuredSurface:
@@ -881,14 +901,17 @@ class MeasuredSurface(AbstractSpectrum):
                 ModelWarning,
             )
             return dataclasses.replace(shortened, map=None)
-        shortened = dataclasses.replace(shortened, map=self.map.ended(end))
         scan = Scan(self.map.height, self.map.steps)
         waves = _waves(scan)
-        if end < 2 * waves.first:  # too few waves to know any skewness
-            return dataclasses.replace(shortened, skewness_error=1.0)
-        of_heights = _asymmetry(scan, waves, end)
+        skewness, error = self.skewness, 1.0
+        if end >= 2 * waves.first:  # else too few waves to know any skewness
+            skewness, error, _ = _asymmetry(scan, waves, end)
         return dataclasses.replace(
-            shortened, skewness=of_heights.skewness, skewness_error=of_heights.error
+            shortened,
+            map=self.map.ended(end),
+            tops=_tops(_Part(scan, waves, _Limit(end), end, ""), error, cut=True),
+            skewness=skewness,
+            skewness_error=error,
         )
 
     def raised(self, factor: Number) -> MeasuredSurface:
