@@ -45,7 +45,7 @@ def test_command_line(tmp_path, monkeypatch, capsys):
         "WLF",
         "residuals",
         "-5 degC",
-        "10 more files",
+        f"{len([*(tmp_path / 'new' / 'folder').iterdir()]) - 1} more files",
         "fitted.toml",
     ):
         assert said in out

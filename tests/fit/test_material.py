@@ -2,6 +2,7 @@
 files.
 """
 
+import html
 import re
 import subprocess
 import sys
@@ -199,6 +200,7 @@ def test_material_file_is_complete(tmp_path):
                 "-ansys.mac",
                 "-radioss.rad",
                 "-dyna.k",
+                "-report.html",
                 "-master.png",
                 "-shifts.png",
                 "-cole-cole.png",
@@ -209,6 +211,10 @@ def test_material_file_is_complete(tmp_path):
     assert all(
         files[name].startswith(b"\x89PNG") for name in files if name.endswith(".png")
     )
+    page = html.unescape(files["my-rubber-report.html"].decode())
+    assert page.count("<img") == sum(name.endswith(".png") for name in files)
+    for said in (*(text for _, text in fit.findings()), *fit.warnings, "Here, today"):
+        assert said in page
     (tmp_path / "my-rubber.toml").write_bytes(files["my-rubber.toml"])
     assert check_material(tmp_path / "my-rubber.toml") == []
     text = files["my-rubber.toml"].decode()

@@ -2,12 +2,10 @@
 out what has been computed; and the pages of the documentation, in a dialog.
 """
 
-import base64
 import copy
 import re
 import tempfile
 from collections.abc import Awaitable, Callable, Iterator
-from datetime import date
 from functools import cache, partial
 from html import escape
 from pathlib import Path
@@ -21,6 +19,7 @@ from ..cli.kinds import toml
 from ..cli.schema import Content
 from ..errors import InputError
 from ..fit.report import DYNA_TERMS
+from ..notebook_tables import html_image, html_page
 from .cards import Cards, cards
 from .chart import Drawn
 from .computed import ComputedStage
@@ -42,6 +41,7 @@ from .stage import BUTTON, DOCS, Busy, Picture, worked
 from .words import in_words, spoken
 
 _IMAGES = {"PNG": "png", "SVG": "svg"}
+_WIDTH = 900  # of the figure of a report
 # what programs read of a friction law, by its form, and of a fit, by its file's name
 _LAWS = {
     "Friction law (CSV)": ("csv", "csv"),
@@ -51,6 +51,7 @@ _LAWS = {
 }
 _FIT = {
     "Material (TOML)": ".toml",
+    "Report (HTML)": "-report.html",
     "Master curve": "-master.csv",
     "Shift table": "-shifts.csv",
     "Prony series": "-prony.csv",
@@ -184,7 +185,7 @@ def report(stem: str, done: Done, scene: str) -> bytes:
     """A page of a result for people, in one file: its numbers with how sure they are,
     its figure, its doubts, what it was computed of, and what to cite.
     """
-    image = base64.b64encode(done.figure().saved("svg")).decode()
+    image = done.figure().saved("svg")
     said = [*done.warnings, *(f"{d.kind}: {d.words()}" for d in done.curve.doubts)]
     numbers = "".join(
         f"<dt>{_html(card.title)}</dt><dd><b>{_html(card.number)}</b> "
@@ -193,22 +194,13 @@ def report(stem: str, done: Done, scene: str) -> bytes:
     )
     parts = {
         "Numbers": f"<dl>{numbers}</dl>",
-        "Figure": f'<img alt="figure" src="data:image/svg+xml;base64,{image}">',
+        "Figure": html_image(image, _WIDTH, "svg+xml"),
         "Doubts": f"<ul>{''.join(f'<li>{_html(each)}</li>' for each in said)}</ul>",
         "Summary": f"<pre>{_html(done.result.summary())}</pre>",
         "Computed of": f"<pre>{escape(scene)}</pre>",
         "To cite": f"<pre>{escape(em.cite(done.curve))}</pre>",
     }
-    body = "".join(f"<h2>{title}</h2>{part}" for title, part in parts.items())
-    head = f'<meta charset="utf-8"><title>{escape(stem)}</title>'
-    style = (
-        "<style>body{font-family:sans-serif;max-width:60em}pre{overflow:auto}</style>"
-    )
-    return (
-        f'<!doctype html><html lang="en"><head>{head}{style}</style></head><body>'
-        f"<h1>{escape(stem)}</h1><p>{date.today()}, elastomdr {em.__version__}</p>"
-        f"{body}</body></html>"
-    ).encode()
+    return html_page(stem, parts)
 
 
 def _html(words: str) -> str:

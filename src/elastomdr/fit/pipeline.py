@@ -4,6 +4,7 @@ misfit, random draws, and the files that come of it.
 
 from __future__ import annotations
 
+import html
 import os
 import re
 import tempfile
@@ -37,6 +38,7 @@ from ..material.validity import (
     misfit_bands,
     root_of,
 )
+from ..notebook_tables import html_image, html_page, html_table
 from ..progress_bar import reporter
 from ..trees import replaced
 from .laws import derivatives, fit_form, forms
@@ -468,8 +470,8 @@ class MaterialFit(AbstractFindings):
         return self.prony.plot(ax, style)
 
     def files(self, stem: str | None = None) -> dict[str, bytes]:
-        """File name to content: the material, its cards, tables and figures. Cards that
-        do not exist are left out.
+        """File name to content: the material, its cards, tables and figures, and
+        a page of all that for people. Cards that do not exist are left out.
         """
         from .figures import figures
 
@@ -490,10 +492,15 @@ class MaterialFit(AbstractFindings):
         if self.material.moduli.size < DYNA_TERMS:
             texts[f"{stem}-dyna.k"] = dyna_card(self.material)
         content |= {name: text_of_file.encode() for name, text_of_file in texts.items()}
-        return content | {
-            f"{stem}-{name}.png": image
-            for name, image in figures(self.master, self.prony).items()
+        pictures = figures(self.master, self.prony)
+        parts = {
+            "What was found": html_table("", self.findings()),
+            "Figures": "".join(html_image(each, 600) for each in pictures.values()),
+            "Doubts": html_table("", (("", each) for each in self.warnings)),
+            "To cite": html.escape(self.material.citation),
         }
+        content[f"{stem}-report.html"] = html_page(f"Rubber {stem}", parts)
+        return content | {f"{stem}-{n}.png": image for n, image in pictures.items()}
 
     def save(
         self, folder: str | os.PathLike[str], stem: str | None = None
