@@ -472,6 +472,16 @@ def test_cards_of_explicit_programs_relax_as_the_material(
     assert "density" in card
 
 
+def test_cards_of_an_elastic_rubber_and_of_a_liquid():
+    elastic = em.Prony(1e6, [], [])
+    assert "/VISC" not in radioss_card(elastic)
+    assert of_dyna(dyna_card(elastic, 3))[0].tolist() == [1e6]
+    moduli, rates, _ = of_radioss(radioss_card(em.Maxwell(1e5, 1.0), 3))
+    assert moduli[0] == pytest.approx(0.1, rel=1e-3)  # of which the notes say so
+    assert "a liquid" in radioss_card(em.Maxwell(1e5, 1.0))
+    assert rates.tolist() == [0.0, 1.0]
+
+
 def test_more_terms_than_a_card_takes():
     many = em.Prony(1e5, np.full(18, 1e5), np.geomspace(1e-9, 1, 18))
     with pytest.raises(InputError, match="17 relaxation times"):

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 
 from .. import __version__
-from ..checks import as_float64, in_si, positive
+from ..checks import as_float64, in_si, positive, whole_number
 from ..errors import InputError, warn
 from ..files import as_path, csv_text, no_formula, write_files
 from ..io.data import FitWarning
@@ -385,7 +385,7 @@ def dyna_card(material: Prony, number: int = 1) -> str:
     Raises:
         InputError: as `abaqus_card`, and for more relaxation times.
     """
-    card = _explicit(material)
+    card = _explicit(material, number)
     if len(card.terms) > DYNA_TERMS:
         raise InputError(
             argument="material",
@@ -396,7 +396,7 @@ def dyna_card(material: Prony, number: int = 1) -> str:
     lines += [
         "*MAT_GENERAL_VISCOELASTIC_TITLE",
         card.name,
-        f"{number:10d}{'':10}{card.bulk:10.5g}",
+        f"{int(number):10}{'':10}{card.bulk:10.5g}",
         "",
         *(f"{modulus:10.5g}{rate:10.5g}" for modulus, rate in card.terms),
     ]
@@ -418,16 +418,19 @@ def radioss_card(material: Prony, number: int = 1) -> str:
     Raises:
         InputError: as `abaqus_card`.
     """
-    card = _explicit(material)
+    card = _explicit(material, number)
     (equilibrium, _), *terms = card.terms
     rows = "".join(f"{g:20.10g}{rate:20.10g}{0:20}{0:20}\n" for g, rate in terms)
     notes = "".join(f"# {note}\n" for note in card.notes)
-    return (
-        f"{notes}/MAT/LAW42/{number}\n{card.name}\n{'':20}\n"
+    law = (
+        f"{notes}/MAT/LAW42/{int(number)}\n{card.name}\n{'':20}\n"
         f"{card.poisson:20.10g}{0:20}{'':10}{0:10}{0:20}{0:10}{0:10}\n"
         f"{equilibrium:20.10g}\n\n{2:20}\n\n"
-        f"/VISC/PRONY/{number}\n{len(terms):10}{'':10}{0:20}{0:10}{0:10}\n{rows}"
     )
+    if not terms:  # a block of no terms is refused
+        return law
+    order = f"{len(terms):10}{'':10}{0:20}{0:10}{0:10}"
+    return f"{law}/VISC/PRONY/{int(number)}\n{order}\n{rows}"
 
 
 def plain_card(material: Prony) -> str:
@@ -480,7 +483,8 @@ class _Explicit(NamedTuple):
     notes: list[str]
 
 
-def _explicit(material: Prony) -> _Explicit:
+def _explicit(material: Prony, number: int) -> _Explicit:
+    whole_number("number", number, 1, 10**9)  # of as many digits as a column takes
     name, shear, poisson, parts, notes = _parts(material)
     terms = [(shear * (1 - float(parts.sum())), 0.0)]
     terms += zip(shear * parts, 1 / np.asarray(material.times), strict=True)
