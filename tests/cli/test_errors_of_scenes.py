@@ -148,31 +148,34 @@ def test_the_ends_of_a_span_are_called_as_in_the_file():
     assert refused.value.subject == "from"
 
 
-IN_TYPED_UNITS = {
-    "a wave that is too short": "below 0.2 mm, ",
-    "a wave beyond the rolloff": "below 50 um, ",
-    "a rolloff beyond the longest wave": "at most the longest wave, 0.2 mm",
-    "a value that the call refuses": "below pressure, 1 MPa",
-    "a temperature outside of the shift table": "-10 degC to 60 degC",
-}
-
-
-@pytest.mark.parametrize("case", IN_TYPED_UNITS)
-def test_what_is_accepted_is_in_the_unit_typed(case, capsys, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("case", "amounts"),
+    [
+        ("a wave that is too short", ["0.2 mm"]),
+        ("a wave beyond the rolloff", ["50 um"]),
+        ("a rolloff beyond the longest wave", ["0.2 mm"]),
+        ("a value that the call refuses", ["1 MPa"]),
+        ("a temperature outside of the shift table", ["-10 degC", "60 degC"]),
+    ],
+)
+def test_what_is_accepted_is_in_the_unit_typed(
+    case, amounts, capsys, tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     (verb, text), _ = CASES[case]
     table = em.ShiftTable([263.15, 293.15, 333.15], [2.0, 0.0, -1.0])
     em.save_material(em.Prony(1e6, [2e6], [1e-2], shift=table), Path("rubber.toml"))
     Path("scene.toml").write_text(text.replace("epdm-70", "rubber.toml"))
     assert main([verb, "scene.toml"]) == 2
-    assert IN_TYPED_UNITS[case] in capsys.readouterr().err
+    said = capsys.readouterr().err.split(", got ")[0]
+    assert all(amount in said for amount in amounts)
 
 
 def test_amounts_without_a_usual_unit_are_in_si():
     said = InputError(argument="x", accepted="below " + amount(0.25, "m"), got="1 inch")
-    assert said.words(shown=shown_beside(said.got)) == (
-        'x must be below 0.25 m, got "1 inch".'
-    )
+    words = said.words(shown=shown_beside(said.got))
+    assert "0.25 m," in words
+    assert '"1 inch"' in words
     assert shown_beside("2 km/h")(Amount(10.0, "m/s")) == "36 km/h"
     assert shown_beside("293 K")(Amount(300.0, "K")) == "300 K"
     assert shown_beside(None)(Amount(300.0, "K")) == "26.85 degC"

@@ -227,7 +227,7 @@ def test_file_of_an_instrument_by_a_reader_in_its_place(tmp_path, monkeypatch):
     got = em.read_surface(file)
     np.testing.assert_allclose(got.c, expected.c, rtol=1e-9)
     file.write_text("[[1, 2")
-    with pytest.raises(em.InputError, match=r"got 'map.x3p': JSONDecodeError"):
+    with pytest.raises(em.InputError, match=r"map\.x3p': JSONDecodeError"):
         em.read_surface(file)
 
 
