@@ -153,6 +153,14 @@ def test_limits_of_the_flash_temperature():
     assert (full.temperature_rise < 1e-6).all()
 
 
+@pytest.mark.parametrize("model", [em.Line(), em.Multiscale()])
+def test_elastic_rubber_makes_no_heat(model):
+    found = hot(material=em.Prony(0.5e6, [], [], shift=WLF), model=model)
+    np.testing.assert_array_equal(found.temperature_rise, 0.0)
+    np.testing.assert_allclose(found.mu, 0.0, atol=1e-15)
+    assert found.converged.all()
+
+
 def test_a_temperature_that_is_not_found():
     table = em.ShiftTable([280.0, 293.15, 300.0], WLF.log10_a([280.0, 293.15, 300.0]))
     short = em.Prony(0.5e6, [3e7, 3e6], [1e-6, 1e-3], shift=table)

@@ -63,11 +63,7 @@ class _Solver:
 
     def cold(self) -> Mean:
         """The points of the scene, at the temperatures that are given."""
-        mean = self.mean(np.ravel(self.scene.at.reduced), self.scene.given)
-        # nothing is lost, and what is left is rounding
-        if not np.any(self.law.moduli) and not float(self.law.viscosity):
-            mean = mean._replace(mu=0 * mean.mu, error=0 * mean.error)
-        return mean
+        return self.mean(np.ravel(self.scene.at.reduced), self.scene.given)
 
     def warm(self, heat: Heat, branch: Branch) -> Warm:
         """The temperatures that the friction of Multiscale makes."""
@@ -95,7 +91,11 @@ class _Solver:
         """Mean over the lines at v a_T and line loads or depths."""
         scene = self.scene
         ask = LinePoints(reduced, value, scene.control, self.rtol)
-        return mean_of_lines(ask, scene.lines, self.model.average, self._solved)
+        mean = mean_of_lines(ask, scene.lines, self.model.average, self._solved)
+        # nothing is lost, and what is left is rounding
+        if not np.any(self.law.moduli) and not float(self.law.viscosity):
+            mean = mean._replace(mu=0 * mean.mu, error=0 * mean.error)
+        return mean
 
     def _solved(self, jobs: list[Job]) -> list[SolvedLine]:
         self.asked += sum(job.velocity.size for job in jobs)

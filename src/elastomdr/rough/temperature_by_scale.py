@@ -443,6 +443,8 @@ def _heated(
 ) -> HeatState:
     shear = _adhesive(problem, by_wave.area, problem.temperature + rise[:, -1])
     whole = by_wave.each.sum((-2, -1)) + by_wave.edges + shear
+    flux = whole * problem.pressure * problem.velocity
+    whole = xp.where(whole > 0, whole, 1.0)  # elastic rubber makes no heat
     depth = (
         xp.tensordot(by_wave.each, c.of_nodes, 2)
         + by_wave.edges[:, None] * c.of_end
@@ -468,7 +470,6 @@ def _heated(
     factor = 2 / (np.pi * problem.heat.conductivity)
     of_volume = factor * xp.einsum("nks,sk,nk->ns", inner, c.depth, depth)  # <D_q S>_q
     of_surface = factor * xp.einsum("nks,sk->ns", inner, c.depth)  # <D_q>_q
-    flux = whole * problem.pressure * problem.velocity
     road = 0.0 * flux
     if problem.heat.road is not None:
         line = (c.line * excess * c.wave_nodes.weight).sum((-2, -1)) + ends[
