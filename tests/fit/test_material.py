@@ -305,6 +305,26 @@ def test_entropy_elasticity_is_found_and_is_in_the_material(tmp_path):
     assert max(fit.misfit.values()) < 0.01 < max(plain.misfit.values())
 
 
+def test_a_vertical_law_that_is_given_is_taken_off_before_shifting():
+    """Of moduli that change fivefold with temperature, shift factors would be decades
+    off.
+    """
+    celsius = np.arange(-20.0, 61.0, 20.0)
+    law = em.VerticalTable(celsius + 273.15, [0.4, 0.6, 1.0, 1.5, 2.0])
+    rubber = em.Prony(
+        KNOWN.equilibrium, KNOWN.moduli, KNOWN.times, shift=KNOWN.shift, vertical=law
+    )
+    rows = measure(rubber, celsius, noise=0.002)
+    dma = em.fit.dma(
+        2 * np.pi * rows[:, 0], *rows[:, 2:].T, rows[:, 1] + 273.15, kind="shear"
+    )
+    fit = em.fit.material(dma, 293.15, vertical=law)
+    expected = KNOWN.shift.log10_a(celsius + 273.15)
+    np.testing.assert_allclose(fit.master.log10_a, expected, atol=0.05)
+    assert repr(fit.material.vertical) == repr(law)
+    assert max(fit.misfit.values()) < 0.01
+
+
 def test_none_is_found_where_there_is_none():
     assert (
         em.fit.material(

@@ -100,6 +100,12 @@ def test_band_is_the_whole_uncertainty():
         assert legend(ax)[0] == words
 
 
+def test_the_band_that_is_printed_is_not_negative():
+    curve = friction_curve(error=0.01)
+    wide = dataclasses.replace(curve, model_error=2 * curve.mu)
+    assert dict(wide.headline())["how sure"].startswith("0 to ")
+
+
 def test_band_of_a_point_and_of_an_unknown_error():
     curve = friction_curve(velocity=0.01, error=0.05)
     _, bar = drawn(curve).get_lines()

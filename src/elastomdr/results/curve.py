@@ -222,10 +222,12 @@ class AbstractCurve(AbstractPoints):
         return f"{there} there ({computed}, model {significant(share * bound, 2)} %)"
 
     def _ends(self) -> tuple[Array, Array]:
-        """The band around the coefficient."""
+        """The band around the coefficient, which is not negative: bodies that slide or
+        roll steadily on their own lose energy.
+        """
         assert self.model_error is not None
-        half = self.error + self.model_error
-        return self._shown() - half, self._shown() + half
+        shown, half = self._shown(), self.error + self.model_error
+        return np.maximum(shown - half, 0.0), shown + half
 
     def _shown(self) -> Array:
         return getattr(self, self.shows)
