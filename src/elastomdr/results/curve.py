@@ -242,8 +242,8 @@ class FrictionCurve(AbstractCurve):
     error, on a surface computed on random lines with twice the standard error of their
     mean (NaN for a single line), `model_error` a bound on how far the model is from the
     half-space (empirical: `docs/accuracy.md`). On `em.springs` it is the distance from
-    the layer they stand for. It is 0 where the model is exact by definition: a
-    `Foundation` given directly. A point that did not converge is NaN with
+    the layer they stand for and the bound of that. It is 0 where the model is exact by
+    definition: a `Foundation` given directly. A point that did not converge is NaN with
     `converged=False`.
     """
 

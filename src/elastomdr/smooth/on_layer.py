@@ -68,11 +68,11 @@ def _check(call: SmoothCall) -> None:
 
 
 def beside_layer(on_springs: Steady, call: SmoothCall) -> Steady:
-    """The result on springs, with how far it is from that on the layer they stand for
-    as its `model_error`.
+    """The result on springs, with how far it is from that on the layer they stand for,
+    and what is known of that layer, as its `model_error`.
 
-    NaN under a transformation of JAX, and under bodies of revolution, whose layer takes
-    ten times as long and more.
+    NaN where the layer has no bound, under a transformation of JAX, and under bodies of
+    revolution, whose layer takes ten times as long and more.
     """
     material, asked = call.material, call.asked
     if not isinstance(material, Foundation) or material.slab is None:
@@ -107,5 +107,6 @@ def beside_layer(on_springs: Steady, call: SmoothCall) -> Steady:
                     rtol=_ENOUGH,
                 )
             ).steady
-        apart = np.where(deep, np.nan, np.abs(on_springs.mu - exact.mu) + exact.error)
+        apart = np.abs(on_springs.mu - exact.mu) + exact.error + exact.model_error
+        apart = np.where(deep, np.nan, apart)
     return on_springs._replace(model_error=apart)
