@@ -389,6 +389,18 @@ async def the_road_of_a_slip_curve(page):
     page._session.scenes["friction"]["heat"] = {"conductivity": "2 m"}
     await page.screen("Tyre").compute()
     assert "“Thermal conductivity λ”" in page.screen("Tyre").form._alert.text
+    page._session.scenes["friction"].pop("heat")
+    form = page.screen("Friction").form
+    for box in ("heat", "adhesion"):
+        form.set(box, True)
+    options = form.widgets["[adhesion] preset"].options
+    assert mentions(options["rubber on a road"], "typical", 5, 7, "Lorenz")
+    form.set("[adhesion] preset", "rubber on a road")
+    assert mentions(form.widgets["[heat] preset"].options["filled rubber"], "CIBSE")
+    form.set("[heat] preset", "filled rubber")
+    scene = page._session.scenes["friction"]
+    assert scene["adhesion"] == {"preset": "rubber on a road"}
+    assert scene["heat"] == {"preset": "filled rubber"}
 
 
 def test_friction_calibrated_on_the_page(tmp_path):
@@ -816,6 +828,7 @@ def test_no_number_with_a_part_of_its_uncertainty():
 def test_what_dominates_comes_first():
     """The road where its shortest wave decides; a shear that is assumed."""
     from elastomdr.app.cards import cards
+    from elastomdr.app.words import quoted
 
     road = em.SelfAffine(0.8, rms_slope=0.7, q_low=1257.0, q_high=125663.0)
     given = {"velocity": np.geomspace(0.01, 1.0, 5), "pressure": 3e5}
@@ -831,7 +844,8 @@ def test_what_dominates_comes_first():
     said = f"{100 * best.before:.2g} %, then {100 * best.after:.2g} %."
     assert surer.notes[0].endswith(said)
     assert "rubber not known: not computed" in sure.notes
-    assert mentions(surer.notes, "adhesion=")
+    assert mentions(surer.notes, quoted("adhesion"), quoted("uncertainty"))
+    assert not any(word in str(surer.notes) for word in ("em.", "=", "scene"))
     *_, sure, surer = cards(sheared(), sheared().uncertainty())
     assert sure.number.startswith("±")  # by the limits of mu
     assert mentions(sure.notes, "model", "limits of mu")

@@ -63,6 +63,21 @@ CASES = {
         ("friction", SLIDES + ROAD + 'conductivity = "1.5 W/(m K)"'),
         ("[heat.road] heat_capacity", None),
     ),
+    "a value beside a preset": (
+        ("friction", SLIDES + ROAD + 'preset = "glass"\nconductivity = "1 W/(m K)"'),
+        ("[heat.road] conductivity", "1 W/(m K)"),
+    ),
+    "a preset that is not known": (
+        ("friction", SLIDES + ROAD + 'preset = "wood"'),
+        ("[heat.road] preset", "wood"),
+    ),
+    "a width beside a preset": (
+        (
+            "friction",
+            SLIDES + '[adhesion]\npreset = "rubber on a road"\nwidth = 0.2',
+        ),
+        ("[adhesion] width", 0.2),
+    ),
     "a span the wrong way round": (
         ("friction", BODY.replace('velocity = "1 m/s"', SPAN)),
         ("[contact] velocity", "5 m/s"),

@@ -4,12 +4,16 @@ them.
 
 import dataclasses
 import re
+from pathlib import Path
 
 import pytest
 
+import elastomdr as em
+from elastomdr.cli.bodies import HeatTable, ShearOfContact
 from elastomdr.cli.keys import as_text, sections
 from elastomdr.cli.kinds import KINDS
 from elastomdr.cli.main import main
+from elastomdr.cli.schema import decode
 from elastomdr.cli.units import (
     USUAL,
     InputError,
@@ -18,7 +22,10 @@ from elastomdr.cli.units import (
     Temperature,
     Velocity,
 )
+from elastomdr.trees import same
 from elastomdr.verbs.roads import KINDS as MODELS
+
+from ..refused import refused
 
 
 def quantities(kind=SceneQuantity):
@@ -26,6 +33,30 @@ def quantities(kind=SceneQuantity):
         kind,
         *(below for child in kind.__subclasses__() for below in quantities(child)),
     ]
+
+
+def test_a_preset_of_a_scene_is_that_of_python():
+    def made(table, **entry):
+        return next(iter(decode(table, entry).arguments(Path()).values()))
+
+    road = {"preset": "steel"}
+    both = made(HeatTable, preset="filled rubber", road=road)
+    assert same(both, em.Heat.preset(road="steel"))
+    own = {"conductivity": "0.3 W/(m K)", "heat_capacity": "2 MJ/(m^3 K)"}
+    half = made(HeatTable, **own, road=road)
+    assert same(half, em.Heat(0.3, 2e6, road="steel"))
+    other = made(HeatTable, preset="filled rubber", road=own)
+    assert same(other, em.Heat.preset(road=(0.3, 2e6)))
+    moves = {"energy": "90 kJ/mol", "reference": "20 degC"}
+    law = made(ShearOfContact, preset="rubber on a road", **moves)
+    shift = em.Arrhenius(9e4, 293.15)
+    assert same(law, em.AdhesiveShear.preset(shift=shift))
+    assert same(
+        made(ShearOfContact, stress="6 MPa", velocity="5 mm/s", width=0.1, **moves),
+        em.AdhesiveShear(6e6, 5e-3, 0.1, shift=shift),
+    )
+    with refused("velocity", "preset"):
+        made(ShearOfContact, stress="6 MPa")
 
 
 def test_usual_units_are_those_of_pint():

@@ -210,6 +210,9 @@ def test_vertical_shifts_are_found(lift):
     )
     without = em.fit.master_curve(data(lift=lift), 293.15, vertical=False)
     assert np.abs(without.log10_b).max() < 1e-4
+    assert "b_T" in master.summary()
+    assert "b_T" not in without.summary()
+    assert without.summary().count("log10 a_T") >= without.temperature.size
     again = master.without_vertical()
     np.testing.assert_allclose(again.log10_a, without.log10_a, atol=0.01)
     # Both contain what the thermometers were off, which each fit estimates from its own

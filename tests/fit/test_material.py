@@ -506,6 +506,10 @@ def test_more_terms_than_a_card_takes():
     many = em.Prony(1e5, np.full(18, 1e5), np.geomspace(1e-9, 1, 18))
     with pytest.raises(InputError, match="17 relaxation times"):
         dyna_card(many)
+    for terms, said in ((5, False), (6, True)):  # and the equilibrium
+        fewer = em.Prony(1e5, np.full(terms, 1e5), np.geomspace(1e-9, 1, terms))
+        remarks = [x for x in dyna_card(fewer).splitlines() if x.startswith("$")]
+        assert any(" six" in x for x in remarks) == said
     assert len(of_radioss(radioss_card(many, 3))[0]) == 19
 
 

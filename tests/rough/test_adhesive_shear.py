@@ -206,7 +206,7 @@ class TestLimits:
         off = np.maximum(both.mu_high - mu, mu - both.mu_low)
         parts = found["numerical"].share + found["model"].share
         np.testing.assert_allclose(parts, off / mu)
-        assert (found.band() >= off / mu).all()
+        assert (found.half_band() >= off / mu).all()
 
     def test_no_contact_is_larger_than_the_nominal_one(self):
         """However steep and strong: all touches, and bears the stress."""
@@ -552,3 +552,34 @@ def test_with_heat_a_point_without_an_answer_is_nan():
     assert list(found.converged) == [True, False]
     assert np.isfinite(found.mu[0])
     assert np.isnan([found.mu[1], found.adhesion[1]]).all()
+
+
+def test_a_preset_has_a_band_that_the_uncertainty_takes_and_a_source():
+    law = em.AdhesiveShear.preset(shift=em.Arrhenius(9e4, 293.15))
+    assert [float(law.stress), float(law.velocity), float(law.width)] == [
+        6e6,
+        5e-3,
+        0.1,
+    ]
+    with refused("name", "rubber on a road", "ice"):
+        em.AdhesiveShear.preset("ice")
+    asked = {"velocity": [1e-3, 0.1], "pressure": 1e5, "temperature": 293.15}
+    curve = em.friction(RUBBER, ROAD, adhesion=law, **asked)
+    said = dict(curve.inputs)["adhesion"]
+    assert mentions(said, "typical, not measured", 5, 7, "Lorenz")
+    part = curve.uncertainty()["shear law"]
+    assert mentions(part.assumed, 5, 7, "Lorenz")
+    ends = [
+        em.friction(
+            RUBBER,
+            ROAD,
+            adhesion=em.AdhesiveShear(stress, 5e-3, 0.1, shift=law.shift),
+            **asked,
+        )
+        for stress in (5e6, 7e6)
+    ]
+    apart = np.max([np.abs(end.mu / curve.mu - 1) for end in ends], axis=0)
+    np.testing.assert_allclose(part.share, apart, rtol=1e-3)
+    assert 0.01 < apart.max() < 1 / 6
+    measured = dict(ends[0].inputs)["adhesion"]
+    assert "typical" not in measured

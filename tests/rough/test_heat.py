@@ -2,6 +2,10 @@
 of lines.
 """
 
+import pickle
+from typing import get_args
+
+import jax
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -10,7 +14,8 @@ import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.element.law import surface_foundation
 from elastomdr.material.shift import thermal_factors
-from elastomdr.rough.heat import HIGHEST, highest_rise
+from elastomdr.rough.heat import HIGHEST, TYPICAL, Road, highest_rise
+from elastomdr.trees import same
 
 from ..refused import mentions, refused
 
@@ -198,6 +203,76 @@ def test_bad_heat():
         em.Heat(0.2, [2e6, 1.0])
     with refused("velocity", 0):
         RUBBER.moving_band(1e5, 1e-3, 0.0, 0.0)
+    with refused("rubber", "filled rubber", "foam"):
+        em.Heat.preset("foam")
+    with refused("road", *get_args(Road), "wood"):
+        em.Heat(0.2, 2e6, road="wood")
+
+
+class TestPresets:
+    @pytest.mark.parametrize("road", get_args(Road))
+    def test_values_lie_in_their_bands_which_are_said_with_a_source(self, road):
+        heat = em.Heat.preset(road=road)
+        pairs = (heat.conductivity, heat.heat_capacity), heat.road
+        for name, values in zip(("filled rubber", road), pairs, strict=True):
+            known = TYPICAL[name]
+            low, high = np.array(known.ends)
+            assert ((low <= values) & (values <= high) & (low < high)).all()
+            ends = np.array([low, high]) / [1, 1e6]
+            assert mentions(
+                known.says, *ends.ravel(), "table" if name != "concrete" else 2005
+            )
+            assert mentions(heat.words(), name, known.says)
+        assert mentions(heat.words(), "typical, not measured")
+        kept = pickle.loads(pickle.dumps(heat))
+        assert same(kept, heat)
+        assert not same(em.Heat(*pairs[0], road=pairs[1]), heat)
+        assert "typical," not in em.Heat(*pairs[0], road=pairs[1]).words()
+
+    @pytest.mark.parametrize("given", [None, (1.0, 2e6), "asphalt"])
+    @pytest.mark.parametrize("own", [None, (0.3, 1.5e6)])
+    def test_the_uncertainty_takes_their_band(self, own, given):
+        """What is measured stays; what is typical goes to both ends."""
+        heat = em.Heat(*own, road=given) if own else em.Heat.preset(road=given)
+        asked = {"velocity": [0.1, 3.0], "pressure": 3e5, "temperature": 293.15}
+        curve = em.friction(COMPOUND, SURFACE, heat=heat, **asked)
+        found = curve.uncertainty()
+        if own and given != "asphalt":
+            assert "heat" not in found.sources
+            return
+        ends = [
+            em.friction(
+                COMPOUND,
+                SURFACE,
+                heat=em.Heat(
+                    *(own or rubber), road=road if given == "asphalt" else given
+                ),
+                **asked,
+            ).mu
+            for rubber, road in zip(
+                TYPICAL["filled rubber"].ends, TYPICAL["asphalt"].ends, strict=True
+            )
+        ]
+        apart = np.max(np.abs(np.array(ends) / curve.mu - 1), axis=0)
+        assert apart.max() > 1e-3
+        np.testing.assert_allclose(found["heat"].share, apart, rtol=1e-3, atol=1e-6)
+        np.testing.assert_allclose(found["heat"].after, 0.25 * found["heat"].share)
+        assert mentions(dict(curve.inputs)["heat"], "typical, not measured")
+
+    def test_they_pass_through_jit(self):
+        heat = em.Heat.preset(road="asphalt")
+
+        @jax.jit
+        def mu(heat, v):
+            asked = {"pressure": 3e5, "temperature": 293.15, "velocity": v}
+            return em.friction(COMPOUND, SURFACE, heat=heat, **asked).mu
+
+        plain = em.friction(
+            COMPOUND, SURFACE, heat=heat, velocity=1.0, pressure=3e5, temperature=293.15
+        )
+        with jax.enable_x64(True):
+            traced = float(mu(heat, 1.0))
+        assert traced == pytest.approx(float(plain.mu), rel=1e-6)
 
 
 SCENE = """

@@ -21,7 +21,7 @@ from ..results.words import in_words
 from .scene import CancelledError, Done
 from .session import COMPUTING
 from .stage import Busy
-from .words import with_signs
+from .words import spoken, with_signs
 
 _MOST = 4  # curves that get a card
 _LONG = 4  # lines from which on a card is a wide one
@@ -121,7 +121,7 @@ def cards(
     most.sort(key=lambda each: -np.nan_to_num(each[0], nan=-1.0))
     notes = [f"{p.source} {percent(share)}: {p.assumed}" for share, p in most]
     notes += [*_counted(result), *[AWAITED] * awaited]
-    tests = (each.words() for each in table.surer())
+    tests = (spoken(each.words()) for each in table.surer())
     ways = [f"{way[0].upper()}{way[1:]}." for way in tests]
     if isinstance(result, em.ORing):
         ways = ["Whether the groove keeps the ring at its length: choose held or free."]

@@ -222,7 +222,7 @@ class TableForm:
         elif key.flag:
             widget = _flag(label, key, value)
         elif key.words:
-            first = "choose" if key.required else default
+            first = "choose" if key.required else words.NOTHING.get(key.name, default)
             options = {"": first, **words.choices(key.name, key.words)}
             widget = ui.select(options, value=value or "", label=label)
         else:

@@ -50,6 +50,16 @@ _FIRST = (
     "measured",
     "heat",
     "adhesion",
+    "[heat] preset",
+    "[heat] conductivity",
+    "[heat] heat_capacity",
+    "[heat.road] preset",
+    "[heat.road] conductivity",
+    "[heat.road] heat_capacity",
+    "[adhesion] preset",
+    "[adhesion] stress",
+    "[adhesion] velocity",
+    "[adhesion] width",
 )
 _ROLLING = (
     "temperature",

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from ..cli.units import SceneQuantity, shown, shown_beside
 from ..errors import InputError, Options, told
+from ..rough import adhesion, heat
 
 # By key, or by table and key where a key means different things. After a bar, what
 # stands below the field, where it is not what the scene's own key says.
@@ -94,6 +95,7 @@ _LABELS = _TABLES | {
     "compare.temperature": "At temperature T [°C]|else the middle of the range",
     "compare.pressure": "At nominal pressure p [MPa]|else the middle of the range",
     # adhesion and heat
+    "preset": "Typical values|in place of those below; none were measured",
     "energy": "Activation energy [kJ/mol]|without it the shear does not shift with "
     "temperature",
     "adhesion.reference": "Reference temperature T₀ [°C]|of the activation energy",
@@ -203,6 +205,10 @@ _LABELS = _TABLES | {
 }
 # what a word to choose means, by key
 _CHOICES = {
+    "preset": {
+        name: f"{name}, {known.says}"
+        for name, known in (*adhesion.TYPICAL.items(), *heat.TYPICAL.items())
+    },
     "convention": {
         "2d": "of the surface: ⟨h²⟩ = ∫ C d²q",
         "2d/4pi^2": "of the surface, over 4π²: ⟨h²⟩ = ∫ C d²q / 4π²",
@@ -217,6 +223,7 @@ _CHOICES = {
         "1/lambda": "1/λ, waves per length",
     },
 }
+NOTHING = {"preset": "your own, below"}  # what stands for no word, by key
 # keys that belong to other commands than those of the page
 ELSEWHERE = {
     f"[surface] {key}" for key in ("equivalent_length", "seed", "periods", "samples")

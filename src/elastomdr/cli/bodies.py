@@ -12,6 +12,8 @@ import msgspec
 import elastomdr as em
 
 from ..errors import InputError, amount
+from ..rough.adhesion import Dry
+from ..rough.heat import Branch, Road, Rubber
 from .schema import (
     Arguments,
     Count,
@@ -402,45 +404,72 @@ class Measured(SurfaceTable, tag="file"):
 AnySurface = SelfAffineTable | SpectrumTable | Measured
 
 
-class RoadTable(Table):
-    """What conducts the heat of the counterface.
+class _WithPreset(Table):
+    """Values of a preset, or all of one's own."""
+
+    replaces = ("conductivity", "heat_capacity")  # keys
+    preset: str | None = None
+
+    def __post_init__(self) -> None:
+        for key in self.replaces:
+            entry = getattr(self, key)
+            if (entry is None) == (self.preset is None):
+                raise InputError(
+                    argument=key,
+                    got=entry,
+                    accepted="left out beside a preset"
+                    if self.preset
+                    else "given, or left to a preset",
+                )
+
+
+class _Conducts(_WithPreset):
+    """What conducts heat.
 
     Keys:
+        preset: typical values, in place of conductivity and heat capacity
         conductivity: thermal conductivity
         heat_capacity: heat capacity per volume
     """
 
-    conductivity: Conductivity
-    heat_capacity: VolumeCapacity
+    conductivity: Conductivity | None = None
+    heat_capacity: VolumeCapacity | None = None
 
 
-class HeatTable(Table):
+class RoadTable(_Conducts):
+    """What conducts the heat of the counterface."""
+
+    preset: Road | None = None
+
+
+class HeatTable(_Conducts):
     """Flash temperature: the rubber is heated by its friction.
 
     Keys:
-        conductivity: thermal conductivity of the rubber
-        heat_capacity: heat capacity of the rubber per volume
         road: the counterface that takes its share of the heat; without it, none flows
             there
         branch: which of several temperatures; by default that of rubber that was cold
     """
 
-    conductivity: Conductivity
-    heat_capacity: VolumeCapacity
+    preset: Rubber | None = None
     road: RoadTable | None = None
-    branch: Literal["cold", "hot"] | None = None
+    branch: Branch | None = None
 
     def arguments(self, folder: Path) -> Arguments:
-        road = self.road and (self.road.conductivity, self.road.heat_capacity)
-        heat = em.Heat(self.conductivity, self.heat_capacity, road=road)
+        road = self.road and (self.road.preset or tuple(given(self.road).values()))
+        if self.preset:
+            heat = em.Heat.preset(self.preset, road=road)
+        else:
+            heat = em.Heat(**given(self, *self.replaces), road=road)
         return {"heat": heat} | given(self, "branch")
 
 
-class ShearOfContact(Table):
+class ShearOfContact(_WithPreset):
     """Adhesive shear on the area of real contact, in dry friction: stress exp(-width
     log10(v a_T/velocity)^2).
 
     Keys:
+        preset: a typical law, in place of the three below
         stress: largest shear stress
         velocity: sliding velocity of the largest stress, at the reference temperature
         width: width of the bell over log10 v, 0 or more
@@ -448,24 +477,28 @@ class ShearOfContact(Table):
         reference: reference temperature, with energy
     """
 
-    stress: Pressure
-    velocity: Velocity
-    width: float
+    replaces = ("stress", "velocity", "width")
+    preset: Dry | None = None
+    stress: Pressure | None = None
+    velocity: Velocity | None = None
+    width: float | None = None
     energy: MolarEnergy | None = None
     reference: Temperature | None = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if (self.energy is None) != (self.reference is None):
             raise InputError(
                 argument="reference" if self.reference is None else "energy",
-                got=None,
                 accepted="given, as energy and reference belong together, or both "
                 "left out for an athermal stress",
             )
 
     def arguments(self, folder: Path) -> Arguments:
-        shift = None
-        if self.energy is not None and self.reference is not None:
-            shift = em.Arrhenius(self.energy, self.reference)
-        law = em.AdhesiveShear(self.stress, self.velocity, self.width, shift=shift)
+        moves = given(self, "energy", "reference")
+        shift = em.Arrhenius(**moves) if moves else None
+        if self.preset:
+            law = em.AdhesiveShear.preset(self.preset, shift=shift)
+        else:
+            law = em.AdhesiveShear(**given(self, *self.replaces), shift=shift)
         return {"adhesion": law}

@@ -501,14 +501,15 @@ def calibrated(
     content |= {"material": f"{stem}-material.toml"}
     if isinstance(surface := found.shape, AbstractSpectrum):
         files[f"{stem}-surface.csv"] = partial(_write_surface, surface)
-        content["surface"] |= {"cutoff": f"{float(surface.q_high)!r} rad/m"}
+        road = content["surface"]
+        road["cutoff"] = f"{float(surface.q_high)!r} rad/m"
         if "heights" in found.parameters:
-            before = content["surface"].get("heights", 1.0)
-            content["surface"]["heights"] = before * 10 ** found.parameters["heights"]
+            factor = 10 ** found.parameters["heights"]
+            road["heights"] = road.get("heights", 1.0) * factor
         for key, (name, decades) in _ERRORS.items():
-            if key in content["surface"] and name in found.std:
-                content["surface"][key] = found.std[name] * decades
-    if (law := found.adhesion) is not None:
+            if key in road and name in found.std:
+                road[key] = found.std[name] * decades
+    if (law := found.adhesion) is not None and not law.typical:
         content["adhesion"] = {
             "stress": f"{float(law.stress)!r} Pa",
             "velocity": f"{float(law.velocity)!r} m/s",

@@ -84,9 +84,7 @@ _UNITS = {  # and how many make one of SI
     "energy": ("kJ/mol", 1e-3),
 }
 _OF_LAW = ("stress", "velocity", "width", "energy")
-# Dry tread rubber: 5 to 7 MPa, some mm/s and a width of 0.1 (Lorenz et al., J. Chem. Phys.
-# 142 (2015) 194701); 0.9 eV for its shift is of the size found there.
-TYPICAL = (6e6, 5e-3, 0.1)  # stress [Pa], velocity [m/s], width
+# 0.9 eV for the shift of a typical law is of the size found where that is from
 _ENERGY, _ROOM = 9e4, 293.15  # [J/mol], [K]
 _SAME = 1.0  # of temperatures that are one [K]
 
@@ -164,7 +162,7 @@ def _find_law(scene: Mapping[str, Any]) -> Mapping[str, Any]:
     with a typical shift where it has none and temperatures differ.
     """
     law, kelvin = scene.get("adhesion"), scene.get("temperature")
-    law = AdhesiveShear(*TYPICAL) if law is None else law
+    law = AdhesiveShear.preset() if law is None else law
     if kelvin is not None and law.shift is None and np.ptp(kelvin) > _SAME:
         flat = np.ravel(np.asarray(as_float64("temperature", kelvin)))
         reference = float(flat[np.argmin(np.abs(flat - _ROOM))])

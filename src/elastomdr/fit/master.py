@@ -566,12 +566,17 @@ class MasterCurve(AbstractWithTable):
             for y, std, mark in zip(
                 self.log10_b, self.log10_b_std, self.ambiguous, strict=True
             )
+            if (np.abs(self.log10_b) + self.log10_b_std > 1e-4).any()
         ]
         if self.given:
             yield "shift factors", self.given
         if not self.given or (np.abs(self.log10_b) > 1e-4).any():
             yield from shifts_in_words(
-                self.temperature, self.log10_a, self.log10_a_std, self.laws, vertical
+                self.temperature,
+                self.log10_a,
+                self.log10_a_std,
+                self.laws,
+                vertical,
             )
         for warning in self.warnings:
             yield "warning", warning

@@ -91,10 +91,10 @@ def shifts_in_words(
     log10_a: np.ndarray,
     std: np.ndarray,
     laws: Mapping[str, LawFit],
-    more: Sequence[str] | None = None,
+    more: Sequence[str] = (),
 ) -> Iterator[tuple[str, str]]:
     """A line per temperature, with `more` text behind it, and one per shift law."""
-    more = [""] * temperature.size if more is None else more
+    more = more or [""] * temperature.size
     for value, x, size, remark in zip(temperature, log10_a, std, more, strict=True):
         yield (
             f"{value - 273.15:8.2f} degC",
@@ -375,6 +375,9 @@ def dyna_card(material: Prony, number: int = 1) -> str:
     """LS-DYNA keyword *MAT_GENERAL_VISCOELASTIC (MAT_076) for a material at its
     reference temperature; to five digits, its density left blank.
 
+    Its manual is quoted with "up to 18 terms", the text of PyDyna (2024) says "up to six
+    cards": beyond six the card has a remark, at which no run stops.
+
     Args:
         material: the material, a `Prony` of at most 17 relaxation times.
         number: number of the material in the model.
@@ -393,6 +396,7 @@ def dyna_card(material: Prony, number: int = 1) -> str:
             accepted=f"one of at most {DYNA_TERMS - 1} relaxation times for this card",
         )
     lines = [f"$ {note}" for note in card.notes]
+    lines += ["$ more terms than six: check that all were read"] * (len(card.terms) > 6)
     lines += [
         "*MAT_GENERAL_VISCOELASTIC_TITLE",
         card.name,

@@ -167,8 +167,17 @@ class Change(NamedTuple):
     sampled: float = 0.0  # standard errors by which its measured spectrum is off
     kelvin: float = 0.0  # by which the rubber is warmer
     stress: float = 1.0  # factor on the shear stress
+    conducts: int | None = None  # as `Heat.at_end`
     beyond: float = 1.0  # factor on moduli beyond the data of the rubber
     decades: float = 0.0  # by which these begin further out than the data end
+
+
+class Assumed(NamedTuple):
+    """What is typical in a call, in words, and what is changed to either end of it."""
+
+    says: str
+    low: Change
+    high: Change
 
 
 class Judged(Protocol):
@@ -187,6 +196,11 @@ class Again(Protocol):
     @property
     def measured(self) -> bool:
         """Whether the surface was measured, and has sampling errors."""
+        ...
+
+    @property
+    def bands(self) -> list[Assumed | None]:
+        """What is typical and not measured of shear law and heat."""
         ...
 
     def curve(self, change: Change) -> Judged | None:

@@ -22,6 +22,7 @@ from .base import (
     AbstractPoints,
     Again,
     Array,
+    Assumed,
     Change,
     Judged,
     part,
@@ -39,6 +40,7 @@ from .uncertainty import (
     HEIGHTS,
     KELVIN,
     MEASURED,
+    SHEAR,
     STRESS,
     Part,
     Uncertainty,
@@ -399,7 +401,8 @@ class FrictionCurve(AbstractCurve):
         By convention the shortest wave of a road is changed by a factor of two each
         way, its heights by 10 % or, of a scan, its spectrum by two standard errors, the
         shear stress by 20 %, the temperature by 1 K, moduli beyond their data by a
-        factor of two: mu is computed again for each, so that this takes up to twelve
+        factor of two; presets of `em.AdhesiveShear` and `em.Heat` are changed within
+        their bands. mu is computed again for each, so that this takes up to fourteen
         times as long as the curve. Of draws the rubber's part is half of the interval
         of 95 % of them, the others are those of the first draw.
         Raises `InputError` for several materials that are no draws.
@@ -433,75 +436,47 @@ class FrictionCurve(AbstractCurve):
         bound = 0.0 * mu if bound is None else bound
         yield from computed(self, mu, self.error, bound, MEASURED)
 
-        def part(
-            source: str, assumed: str, test: str, left: float, *changes: Change
-        ) -> Part:
-            curves = [self._once_more(change) for change in changes]
+        def part(source: str, off: Assumed, test: str, left: float) -> Part:
+            curves = [self._once_more(change) for change in off[1:]]
             share, lost = largest_change(mu, told, curves)
-            return Part(source, share, assumed + lost, test, left * share)
+            return Part(source, share, off.says + lost, test, left * share)
 
         def beyond(decades: float) -> Part:
+            ends = (each._replace(decades=decades) for each in BEYOND[1:])
             return part(
                 "rubber beyond its data",
-                f"moduli beyond their data off by a factor of {BEYOND:g}",
+                Assumed(BEYOND.says, *ends),
                 "moduli measured over one more decade at each end",
                 1.0,
-                Change(beyond=BEYOND, decades=decades),
-                Change(beyond=1 / BEYOND, decades=decades),
             )
 
         if self.extrapolated is not None and np.any(self.extrapolated):
             yield beyond(0.0)._replace(after=beyond(1.0).share)
         call = self._call
+        shear, heat = (None, None) if call is None else call.bands
         if self.pressure is not None:
-            yield part(
-                "road",
-                f"shortest wave off by a factor of {FACTOR:g}",
-                MEASURED,
-                0.0,
-                Change(shorter=FACTOR),
-                Change(shorter=1 / FACTOR),
-            )
-        if self.pressure is not None and call is not None and call.measured:
-            yield part(
-                "road sampling",
-                f"its spectrum off by {ERRORS:g} standard errors at all scales",
-                "a scan of four times the area",
-                0.5,
-                Change(sampled=ERRORS),
-                Change(sampled=-ERRORS),
-            )
-        elif self.pressure is not None:
-            yield part(
-                "road heights",
-                f"off by {100 * HEIGHTS:g} % at all scales",
-                "a scan of the road, its heights known to 2 %",
-                0.02 / HEIGHTS,
-                Change(higher=1 + HEIGHTS),
-                Change(higher=1 - HEIGHTS),
-            )
+            yield part("road", FACTOR, MEASURED, 0.0)
+            if call is not None and call.measured:
+                test = "a scan of four times the area"
+                yield part("road sampling", ERRORS, test, 0.5)
+            else:
+                test = "a scan of the road, its heights known to 2 %"
+                yield part("road heights", HEIGHTS, test, 0.2)
         if self.adhesion is not None:
-            of_mu = percent(float(np.nanmean(np.asarray(self.adhesion) / mu)))
-            yield part(
-                "shear law",
-                f"shear stress off by {100 * STRESS:g} %; it makes {of_mu} of mu",
-                MEASURED,
-                0.0,
-                Change(stress=1 + STRESS),
-                Change(stress=1 - STRESS),
-            )
+            shear = shear or STRESS
+            of_mu = percent(np.nanmean(np.asarray(self.adhesion) / mu))
+            shear = shear._replace(says=f"{shear.says}; it makes {of_mu} of mu")
+            yield part("shear law", shear, MEASURED, 0.0)
         elif self.pressure is not None:
-            shear = "a shear law (adhesion=) where the road is dry"
-            yield unknown("shear law", mu, "no shear of the real contact", shear)
-        if self.temperature is not None:
-            yield part(
-                "temperature",
-                f"off by {KELVIN:g} K",
-                "the temperature of the rubber measured to 0.3 K",
-                0.3 / KELVIN,
-                Change(kelvin=KELVIN),
-                Change(kelvin=-KELVIN),
+            yield unknown("shear law", mu, "no shear of the real contact", SHEAR)
+        if heat is not None:
+            test = (
+                "conductivity and heat capacity measured, to a quarter of their bands"
             )
+            yield part("heat", heat, test, 0.25)
+        if self.temperature is not None:
+            test = "the temperature of the rubber measured to 0.3 K"
+            yield part("temperature", KELVIN, test, 0.3)
 
     @in_si
     def ranking(

@@ -17,24 +17,51 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from ..checks import significant
-from ..errors import InputError
+from ..errors import Advised, InputError
 from .axes import Axis, Quantity, dimensions
-from .base import AbstractPoints, Array, Judged, Result, quantity, record, setting
+from .base import (
+    AbstractPoints,
+    Array,
+    Assumed,
+    Change,
+    Judged,
+    Result,
+    quantity,
+    record,
+    setting,
+)
 from .doubts import Doubt, carried, where
 
 # the input of a result that tells what a fit misses
 FITTED = "material against its data"
-FACTOR = 2.0  # of the shortest wave, each way
-HEIGHTS = 0.1  # of the heights of a road that was not scanned, relative
-ERRORS = 2.0  # standard errors of a scanned spectrum, each way
-STRESS = 0.2  # of the shear stress, relative
-KELVIN = 1.0  # of the temperature, each way
-BEYOND = 2.0  # of moduli beyond their data, each way
+# what is taken where an uncertainty was not stated
+FACTOR = Assumed(
+    "shortest wave off by a factor of 2", Change(shorter=2.0), Change(shorter=0.5)
+)
+HEIGHTS = Assumed("off by 10 % at all scales", Change(higher=1.1), Change(higher=0.9))
+ERRORS = Assumed(
+    "its spectrum off by 2 standard errors at all scales",
+    Change(sampled=2.0),
+    Change(sampled=-2.0),
+)
+STRESS = Assumed("shear stress off by 20 %", Change(stress=1.2), Change(stress=0.8))
+KELVIN = Assumed("off by 1 K", Change(kelvin=1.0), Change(kelvin=-1.0))
+BEYOND = Assumed(
+    "moduli beyond their data off by a factor of 2",
+    Change(beyond=2.0),
+    Change(beyond=0.5),
+)
 _SEEN = 1e-3  # the smallest share that words give
 SMALL = 0.02  # share of the band that a test must take away to be named
-POINTS, EACH = 3, 0.05  # of measured friction, and how well each is known, relative
-MEASURED = f"{POINTS} points of measured friction, each to {100 * EACH:g} %"
-_OWN = {MEASURED: EACH / POINTS**0.5}  # error of a test itself, relative
+MEASURED = "3 points of measured friction, each to 5 %"
+# the argument, the key of a scene and, as data, the field of the page
+DRAWS = "draws of a fit in place of the material: " + Advised.of(
+    ("em.fit.material(...).draws(n), uncertainty of a scene", {"uncertainty": ""})
+)
+SHEAR = "a shear law where the road is dry: " + Advised.of(
+    ("adhesion=, [adhesion] of a scene", {"adhesion": ""})
+)
+_OWN = {MEASURED: 0.05 / 3**0.5}  # error of a test itself, relative
 
 
 class Part(NamedTuple):
@@ -64,8 +91,8 @@ class Surer(NamedTuple):
     def words(self) -> str:
         """The test and the band before and after it."""
         if np.isnan(self.after):
-            return f"{self.test}: by how much is not known"
-        return f"{self.test}: band {percent(self.before)}, then {percent(self.after)}"
+            return self.test + "; by how much is not known"
+        return self.test + f": band {percent(self.before)}, then {percent(self.after)}"
 
 
 @record
@@ -132,7 +159,7 @@ class Uncertainty(AbstractPoints):
 
     def columns(self) -> dict[str, np.ndarray]:
         """As of every result, a row for each part of each point, with the `band`."""
-        names = np.repeat(np.array(self.sources), self.share[0].size)
+        names = np.repeat(self.sources, self.share[0].size)
         half = np.tile(np.ravel(self.half_band()), len(self.sources))
         return {"part": names, **super().columns(), "half of the band [-]": half}
 
@@ -172,7 +199,7 @@ class Uncertainty(AbstractPoints):
         """The tests that would narrow the band, the one that would most first; then
         those of parts that are not known.
         """
-        before, tests = float(np.max(self.half_band())), []
+        before, tests = np.max(self.half_band()), []
         for test in dict.fromkeys(self.tests):
             told = np.isfinite([part.after for part in self if part.test == test])
             after = float(np.max(self.half_band(test))) if told.any() else np.nan
@@ -206,8 +233,7 @@ def computed(
     yield Part(
         "model", np.asarray(bound) / size, "its bound, or limits of mu", test, none
     )
-    draws = "draws of a fit, em.fit.material(...).draws(n), in place of the material"
-    yield unknown("rubber", none, "not computed", draws)
+    yield unknown("rubber", none, "not computed", DRAWS)
     if getattr(result, "temperature", None) is None:
         yield unknown(
             "temperature", none, "one temperature only", "DMA at several temperatures"
@@ -233,7 +259,7 @@ def largest_change(
     others = [np.nan if curve is None else np.asarray(curve.mu) for curve in curves]
     size = np.where(mu == 0, np.nan, mu)
     share = np.max([np.abs(other / size - 1) for other in others], axis=0)
-    count = f"; then no prediction at {int(lost.sum())} of {lost.size} points"
+    count = f"; then no prediction at {lost.sum()} of {lost.size} points"
     return share, count if lost.any() else ""
 
 
@@ -247,7 +273,7 @@ def _range(shares: np.ndarray) -> str:
     known = shares[np.isfinite(shares)]
     if not known.size:
         return "not known"
-    low, high = float(known.min()), float(known.max())
+    low, high = known.min(), known.max()
     words = f"{percent(high)} of mu" + " where it is known" * (known.size < shares.size)
     return words if low >= 0.9 * high or high < _SEEN else f"{percent(low)} to {words}"
 

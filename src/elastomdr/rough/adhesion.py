@@ -16,7 +16,7 @@ Source: B. Lorenz, Y. R. Oh, S. K. Nam, S. H. Jeon and B. N. J. Persson, J. Chem
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from ..checks import (
     certain,
     not_negative,
     numpy_unless_traced,
+    one_of,
     positive,
     scalar,
     significant,
@@ -36,11 +37,12 @@ from ..checks import (
 from ..element.layer import Layer
 from ..errors import InputError
 from ..material.shift import AbstractShift
+from ..results.base import Assumed, Change
 from ..results.curve import FrictionCurve
 from ..results.doubts import Doubt, where
 from ..results.words import in_words
 from ..surface.shapes import Cylinder
-from ..trees import Tree, fill
+from ..trees import Tree, fill, static
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -60,6 +62,19 @@ _SKEWED = 0.2  # of 1 - b/a: against 56 contacts in three dimensions (docs/accur
 # relative error of an area of 64 by 64 cells about the contact, its border corrected
 _STAIRCASE = 0.01
 _ADDED = "; adhesive shear on the {area}"
+Dry = Literal["rubber on a road"]  # what a typical law is known of
+
+
+# stress [Pa], velocity [m/s] ("some mm/s") and width
+_VALUES = {"rubber on a road": (6e6, 5e-3, 0.1)}
+TYPICAL = {
+    "rubber on a road": Assumed(
+        "typical, not measured: 5 to 7 MPa; Lorenz et al., J. Chem. Phys. 142 (2015) "
+        "194701",
+        Change(stress=5 / 6),
+        Change(stress=7 / 6),
+    )
+}
 
 
 class AdhesiveShear(Tree):
@@ -76,9 +91,6 @@ class AdhesiveShear(Tree):
             the moduli, as a rule. None for a stress that does not depend on
             temperature.
 
-    For dry tread rubber 5 to 7 MPa, some mm/s, and about 0.1 were found. Source: Lorenz
-    et al., J. Chem. Phys. 142 (2015) 194701.
-
     Raises:
         InputError: for a stress or velocity that is not positive, and a negative width.
     """
@@ -87,6 +99,7 @@ class AdhesiveShear(Tree):
     velocity: Float[Array, ""]  # v_0 [m/s]
     width: Float[Array, ""]  # c
     shift: AbstractShift | None
+    typical: str = static()  # the name of a preset
 
     def __init__(
         self,
@@ -111,7 +124,30 @@ class AdhesiveShear(Tree):
                 got=shift,
                 accepted="a shift law such as em.Arrhenius(energy, reference)",
             )
-        fill(self, shift=shift)
+        fill(self, shift=shift, typical="")
+
+    @classmethod
+    def preset(
+        cls, name: Dry = "rubber on a road", *, shift: AbstractShift | None = None
+    ) -> AdhesiveShear:
+        """A typical law in place of a measured one, with a band that
+        `curve.uncertainty()` takes up and a source that `words()` tells.
+
+        Args:
+            name: "rubber on a road": 6 MPa, 5 to 7 MPa being published, 5 mm/s, 0.1.
+            shift: as of the class; 90 kJ/mol is of the size found there.
+
+        Raises:
+            InputError: for other names.
+        """
+        one_of("name", name, *get_args(Dry))
+        law = cls(*_VALUES[name], shift=shift)
+        fill(law, typical=name)
+        return law
+
+    def band(self) -> Assumed | None:
+        """That of a preset; None for other laws."""
+        return TYPICAL.get(self.typical)
 
     @numpy_unless_traced
     def shear_stress(
@@ -141,7 +177,9 @@ class AdhesiveShear(Tree):
         if self.shift is None and self.width == 0:
             return f"{words}every velocity"
         words += f"{float(self.velocity):.4g} m/s, width {float(self.width):.4g}"
-        return f"{words}, {'athermal' if self.shift is None else repr(self.shift)}"
+        words += f", {'athermal' if self.shift is None else repr(self.shift)}"
+        band = self.band()
+        return words if band is None else f"{words}, {self.typical} ({band.says})"
 
     def __repr__(self) -> str:
         return written(self)

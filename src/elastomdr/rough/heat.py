@@ -9,8 +9,8 @@ a point warms it, in the steady state, by exp(-w (r + r cos phi))/(2 pi lambda r
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -25,8 +25,9 @@ from ..checks import (
     scalar,
 )
 from ..errors import InputError
+from ..results.base import Assumed, Change
 from ..results.words import brief
-from ..trees import Tree, fill
+from ..trees import Tree, fill, static
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -39,6 +40,63 @@ HIGHEST = 1000.0  # largest rise that is looked for [K]
 # of several temperatures at which friction and conduction agree
 Branch = Literal["cold", "hot"]
 NO_STATE = "no steady state"  # a row of results
+# what typical values are known of
+Rubber = Literal["filled rubber"]
+Road = Literal["asphalt", "concrete", "glass", "steel"]
+
+
+class Typical(NamedTuple):
+    """What typically conducts heat: conductivities [W/(m K)] and heat capacities per
+    volume [J/(m^3 K)].
+    """
+
+    conductivity: float
+    heat_capacity: float
+    ends: Sequence[tuple[float, float]]  # low and high, of the bands of both
+    says: str  # bands and sources
+
+
+# Bands hold what the sources have, the heat capacity of rubber, of which there is one
+# source, 10 %. That of asphalt is 2110 kg/m^3 times 850 to 1050 J/(kg K).
+TYPICAL = {
+    "filled rubber": Typical(
+        0.23,
+        2.2e6,
+        ((0.17, 2.0e6), (0.25, 2.4e6)),
+        "typical, not measured: 0.17 to 0.25 W/(m K), 2 to 2.4 MJ/(m^3 K); CIBSE Guide "
+        "A, table 3.36; library of LBNL THERM 7.6",
+    ),
+    "asphalt": Typical(
+        0.9,
+        1.95e6,
+        ((0.5, 1.8e6), (1.2, 2.2e6)),
+        "typical, not measured: 0.5 to 1.2 W/(m K), 1.8 to 2.2 MJ/(m^3 K); CIBSE Guide "
+        "A, table 3.36; Carlson et al., J. Mater. Civ. Eng. 22 (2010) 186; "
+        "diracdelta.co.uk",
+    ),
+    "concrete": Typical(
+        1.7,
+        2.2e6,
+        ((1.5, 2.0e6), (1.95, 2.35e6)),
+        "typical, not measured: 1.5 to 1.95 W/(m K), 2 to 2.35 MJ/(m^3 K); Carlson et "
+        "al., J. Mater. Civ. Eng. 22 (2010) 186; NISTIR 6551 (2000); ASHRAE "
+        "Fundamentals (2005)",
+    ),
+    "glass": Typical(
+        1.0,
+        2.15e6,
+        ((0.99, 2.1e6), (1.05, 2.22e6)),
+        "typical, not measured: 0.99 to 1.05 W/(m K), 2.1 to 2.22 MJ/(m^3 K); CIBSE "
+        "Guide A, table 3.36; ASHRAE Fundamentals (2005)",
+    ),
+    "steel": Typical(
+        45.0,
+        3.8e6,
+        ((45.0, 3.74e6), (50.0, 3.91e6)),
+        "typical, not measured: 45 to 50 W/(m K), 3.74 to 3.91 MJ/(m^3 K); CIBSE Guide "
+        "A, table 3.36; ASHRAE Fundamentals (2005); library of LBNL THERM 7.6",
+    ),
+}
 
 
 class Heat(Tree):
@@ -51,7 +109,8 @@ class Heat(Tree):
             K)].
         road: conductivity and heat capacity of the counterface, a pair in the same
             units; None for one that takes no heat. Its spots in contact are taken as
-            steady, which they are after the time that `words()` tells.
+            steady, which they are after the time that `words()` tells. Or "asphalt",
+            "concrete", "glass" or "steel" for typical values, as of `preset`.
 
     Raises:
         InputError: for values that are not positive, and a road that is no pair.
@@ -60,14 +119,20 @@ class Heat(Tree):
     conductivity: Scalar  # lambda [W/(m K)]
     heat_capacity: Scalar  # rho c [J/(m^3 K)]
     road: tuple[Scalar, Scalar] | None  # the same of the counterface
+    # names of rubber and road whose values are typical
+    typical: tuple[str, str] = static()
 
     def __init__(
         self,
         conductivity: Number,
         heat_capacity: Number,
         *,
-        road: tuple[Number, Number] | None = None,
+        road: tuple[Number, Number] | Road | None = None,
     ):
+        called = ""
+        if isinstance(road, str):
+            one_of("road", road, *get_args(Road))
+            called, road = road, TYPICAL[road][:2]
         if road is not None and (not isinstance(road, (tuple, list)) or len(road) != 2):
             raise InputError(
                 argument="road",
@@ -86,7 +151,42 @@ class Heat(Tree):
             conductivity=values[0],
             heat_capacity=values[1],
             road=tuple(values[2:]) or None,
+            typical=("", called),
         )
+
+    @classmethod
+    def preset(
+        cls,
+        rubber: Rubber = "filled rubber",
+        *,
+        road: tuple[Number, Number] | Road | None = None,
+    ) -> Heat:
+        """Typical values in place of measured ones, with a band that
+        `curve.uncertainty()` takes up and a source that `words()` tells.
+
+        Args:
+            rubber: "filled rubber".
+            road: as of the class.
+
+        Raises:
+            InputError: for other names.
+        """
+        one_of("rubber", rubber, *get_args(Rubber))
+        heat = cls(*TYPICAL[rubber][:2], road=road)
+        fill(heat, typical=(rubber, heat.typical[1]))
+        return heat
+
+    def at_end(self, end: int) -> Heat:
+        """With what is typical at the low end of its band, 0, or the high one, 1."""
+        rubber, road = (TYPICAL[x].ends[end] if x else None for x in self.typical)
+        own = self.conductivity, self.heat_capacity
+        return Heat(*(rubber or own), road=road or self.road)
+
+    def band(self) -> Assumed | None:
+        """That of presets; None where nothing is typical."""
+        names = " and ".join(filter(None, self.typical))
+        ends = Change(conducts=0), Change(conducts=1)
+        return Assumed(f"{names}, typical", *ends) if names else None
 
     @property
     def diffusivity(self) -> Scalar:
@@ -98,16 +198,18 @@ class Heat(Tree):
         the road are steady.
         """
 
-        def of(one: Scalar, other: Scalar) -> str:
+        def of(name: str, one: Scalar, other: Scalar) -> str:
+            known = f", {name} ({TYPICAL[name].says})" if name else ""
             return (
                 f"conductivity {brief(one, 'W/(m K)')}, "
-                f"heat capacity {brief(other, 'J/(m^3 K)')}"
+                f"heat capacity {brief(other, 'J/(m^3 K)')}{known}"
             )
 
-        sentence = of(self.conductivity, self.heat_capacity)
+        rubber, road = self.typical
+        sentence = of(rubber, self.conductivity, self.heat_capacity)
         if self.road is None:
             return sentence
-        sentence += f"; road: {of(*self.road)}"
+        sentence += f"; road: {of(road, *self.road)}"
         if longest is None:
             return sentence
         return (
@@ -181,18 +283,12 @@ class Heat(Tree):
         positive("radius", radius)
         not_negative("velocity", velocity)
         t = np.arange(-4.2, 3.2, 0.02)
+        x = np.pi * np.sinh(t)
         with np.errstate(over="ignore"):
-            # s, 1 - s
-            s, rest = (
-                1 / (1 + np.exp(-np.pi * np.sinh(t))),
-                1 / (1 + np.exp(np.pi * np.sinh(t))),
-            )
+            s, rest = 1 / (1 + np.exp(-x)), 1 / (1 + np.exp(x))  # s, 1 - s
         step = 0.02 * np.pi * np.cosh(t) * s * rest
-        overlap = (
-            2
-            / np.pi
-            * (np.arcsin(np.sqrt(rest * (1 + s))) - s * np.sqrt(rest * (1 + s)))
-        )
+        root = np.sqrt(rest * (1 + s))
+        overlap = 2 / np.pi * (np.arcsin(root) - s * root)
         passed = (velocity * radius / self.diffusivity)[..., None]
         return (
             2 * flux * radius / self.conductivity * (i0e(passed * s) @ (overlap * step))

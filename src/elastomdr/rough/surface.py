@@ -53,7 +53,6 @@ from .road_model import RoadProblem, SurfaceFriction, SurfaceModel
 from .road_models import HalfSpace, Multiscale, Persson
 
 if TYPE_CHECKING:
-    from .._types import Number
     from ..arrays import Array
     from ..call.types import SteadyBody
     from ..results.doubts import Kind
@@ -182,7 +181,13 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     foundation, surface, scene = _check(call, model)
     heat, adhesion, rtol = call.heat, call.adhesion, call.rtol
     check_adhesion(adhesion, call.asked.temperature)
-    strain_share = _checked_share(call.strain_share)
+    strain_share = scalar("strain_share", call.strain_share)
+    require(
+        "strain_share",
+        strain_share,
+        f"above 0 and at most {_MOST_SHARE:g}",
+        lambda x: (x > 0) & (x <= _MOST_SHARE),
+    )
     softened = None
     if foundation.softening is not None and model.softens:
         softened = SoftenedByScale(foundation.softening, surface, strain_share)
@@ -229,7 +234,7 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     curve = dataclasses.replace(
         curve,
         model=curve.model + _hot(model, heat),
-        plan=_plan(foundation, scene, surface, model, heat, label),
+        plan=_plan(foundation, scene, surface, model, heat),
         inputs=tuple(inputs),
         marks=marks,
         outside=outside,
@@ -437,8 +442,8 @@ def excited_beyond(outside: Array) -> tuple[str, str]:
     """A row for results: the share of the slope outside the measured frequencies."""
     most = np.nanmax(outside)
     share = "less than 1%" if most < 0.005 else f"up to {most:.0%}"
-    sentence = f"{share} of the mean square slope lies outside the measured frequencies"
-    return "outside the data", sentence
+    says = "of the mean square slope lies outside the measured frequencies"
+    return "outside the data", f"{share} {says}"
 
 
 def _report(
@@ -569,32 +574,16 @@ def _with_adhesion(
     )
 
 
-def _checked_share(given: Number) -> Array:
-    share = scalar("strain_share", given)
-    require(
-        "strain_share",
-        share,
-        f"above 0 and at most {_MOST_SHARE:g}",
-        lambda x: (x > 0) & (x <= _MOST_SHARE),
-    )
-    return share
-
-
 def _scales_in_words(by_scale: Warm, good: np.ndarray) -> list[tuple[str, str]]:
     """The rise of temperature by length scale, where it is largest."""
-    rows = []
-    if good.any():
-        i = int(np.argmax(np.where(good, by_scale.contact, -np.inf)))
-        length, rise = (
-            2 * np.pi / np.exp(by_scale.warmed.log_q()),
-            by_scale.warmed.rise[i],
-        )
-        parts = [
-            f"{rise[k]:.3g} K at {1e3 * length[k]:.2g} mm"
-            for k in (0, rise.size // 2, -1)
-        ]
-        rows.append(("rise by wavelength", f"{', '.join(parts)}, where it is largest"))
-    return rows
+    if not good.any():
+        return []
+    i = np.argmax(np.where(good, by_scale.contact, -np.inf))
+    length, rise = 2 * np.pi / np.exp(by_scale.warmed.log_q()), by_scale.warmed.rise[i]
+    parts = [
+        f"{rise[k]:.3g} K at {1e3 * length[k]:.2g} mm" for k in (0, rise.size // 2, -1)
+    ]
+    return [("rise by wavelength", f"{', '.join(parts)}, where it is largest")]
 
 
 def _strained(model: SurfaceModel, scene: SteadyScene, answer: _Answer) -> _Strained:
@@ -801,9 +790,7 @@ def _softening_words(
 def surface_plan(call: RoughCall, model: SurfaceModel) -> SurfacePlan:
     """`em.plan` of a surface under a pressure; see there."""
     foundation, surface, scene = _check(call, model)
-    return _plan(
-        foundation, scene, surface, model, call.heat, surface_in_words(surface)
-    )
+    return _plan(foundation, scene, surface, model, call.heat)
 
 
 def _plan(
@@ -812,7 +799,6 @@ def _plan(
     surface: AbstractSpectrum,
     model: SurfaceModel,
     heat: Heat | None,
-    label: str,
 ) -> SurfacePlan:
     name = foundation.name or "a foundation given directly"
     work, skipped = model.work(surface)
@@ -820,7 +806,11 @@ def _plan(
         work += ", each averaged over the angle to the lay"
     points = int(np.prod(scene.shape))
     return SurfacePlan(
-        f"{label} on {name}", model.words() + _hot(model, heat), points, work, skipped
+        f"{surface_in_words(surface)} on {name}",
+        model.words() + _hot(model, heat),
+        points,
+        work,
+        skipped,
     )
 
 

@@ -17,7 +17,7 @@ from ..errors import InputError, quiet
 from ..material.relaxation import AbstractRelaxation, scaled
 from ..models import Line, as_model
 from ..progress_bar import reporter
-from ..results.base import Change
+from ..results.base import Assumed, Change
 from ..results.curve import AbstractCurve, FrictionCurve
 from ..results.words import in_words
 from ..rough.adhesion import AdhesiveShear, check_adhesion, on_contact
@@ -58,6 +58,12 @@ class CallAgain:
         surface = getattr(self.call, "surface", None)
         return isinstance(surface, MeasuredSurface)
 
+    @property
+    def bands(self) -> list[Assumed | None]:
+        """What is typical and not measured of shear law and heat."""
+        heat: Heat | None = getattr(self.call, "heat", None)
+        return [law and law.band() for law in (self.adhesion, heat)]
+
     def curve(self, change: Change) -> FrictionCurve | None:
         """The curve with one thing changed; None where that has no answer, as beyond a
         shift law, or where the shortest wave would be longer than the longest.
@@ -75,6 +81,8 @@ class CallAgain:
         try:
             if isinstance(call, RoughCall):
                 given |= {"surface": _altered(call.surface, change), "progress": None}
+                if call.heat is not None and change.conducts is not None:
+                    given |= {"heat": call.heat.at_end(change.conducts)}
             with quiet():
                 return _once_more(
                     self.solve, dataclasses.replace(call, **given), adhesion
