@@ -239,7 +239,7 @@ def test_a_field_of_a_result(copy, tmp_path):
         print("friction power [W]" in open("curve.csv").read())
     """
     assert "power" in copy.run(use, tmp_path).stderr
-    copy.insert(declared, field, before="pressure: Array", after="class FrictionCurve")
+    copy.insert(declared, field, before="direction: Array", after="class FrictionCurve")
     copy.insert(packed, value, before="mu=solution.mu", after="curve = FrictionCurve(")
     ran = copy.run(use, tmp_path)
     assert ran.stdout.split() == ["True"], ran.stderr

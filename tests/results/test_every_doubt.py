@@ -45,6 +45,7 @@ WORN = MeasuredSurface(
     measured_height=float(ROAD.rms_height),
     skewness=-1.4,
     report=(),
+    tops=np.linspace(0.0, -3.0, 21),
 )
 STIFF = em.Foundation(1e9, [1e10], [1e-3], shift=em.WLF(8.86, 101.6, 293.15))
 
