@@ -464,7 +464,7 @@ class FrictionCurve(AbstractCurve):
                 yield part("road heights", HEIGHTS, test, 0.2)
         if self.adhesion is not None:
             shear = shear or STRESS
-            of_mu = percent(np.nanmean(np.asarray(self.adhesion) / mu))
+            of_mu = percent(np.nanmean(np.asarray(self.adhesion) / mu).item())
             shear = shear._replace(says=f"{shear.says}; it makes {of_mu} of mu")
             yield part("shear law", shear, MEASURED, 0.0)
         elif self.pressure is not None:

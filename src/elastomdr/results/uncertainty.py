@@ -259,8 +259,12 @@ def largest_change(
     others = [np.nan if curve is None else np.asarray(curve.mu) for curve in curves]
     size = np.where(mu == 0, np.nan, mu)
     share = np.max([np.abs(other / size - 1) for other in others], axis=0)
-    count = f"; then no prediction at {lost.sum()} of {lost.size} points"
-    return share, count if lost.any() else ""
+    return (
+        share,
+        f"; then no prediction at {lost.sum()} of {lost.size} points"
+        if lost.any()
+        else "",
+    )
 
 
 def _unforetold(doubts: Iterable[Doubt], mu: np.ndarray) -> np.ndarray:
