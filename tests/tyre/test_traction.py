@@ -642,7 +642,7 @@ def test_isotropic_brush_without_side_slip():
     half, width, radius, load = 0.06, 0.16, 0.3, 4000.0
     stiffness = 1.5 * load * radius / (width * half**3)  # p = K (a^2 - x^2)/(2 R)
     found = em.traction(
-        em.Foundation(stiffness, [], []),
+        em.Foundation(stiffness, [], [], per_area=True),
         em.Cylinder(radius, width),
         velocity=10.0,
         creepage=0.03,

@@ -12,6 +12,7 @@ RUBBER = em.Prony(1e6, [2e6], [1e-2])
 NEARLY = em.Prony(1e6, [2e6], [1e-2], poisson=0.45)
 DIRECT = em.Foundation(1e9, [2e9], [1e-2], per_area=True)
 HALF = em.Foundation(4e6, [8e6], [1e-2])
+G_STAR = em.half_space(RUBBER, tangential=True)
 BALL, ROLL = em.Paraboloid(0.01), em.Cylinder(0.01, 0.1)
 LINE = em.RoughLine(np.arange(32) * 1e-5, 1e-6 * np.cos(np.arange(32) * np.pi / 8))
 TIME = np.linspace(0.0, 0.01, 5)
@@ -67,7 +68,9 @@ EXACT = {
     "springs that are meant": lambda: indent(DIRECT, ROLL),
     "impact": lambda: impact(RUBBER, em.Sphere(0.01)),
     "impact on a layer": lambda: impact(em.layer(RUBBER, 5e-3), BALL),
-    "a line that is meant": lambda: slide(HALF, BALL),
+    "half-space by its numbers": lambda: indent(HALF, BALL),
+    "springs under a ball": lambda: em.friction(DIRECT, BALL, velocity=0.1, load=1.0),
+    "friction of springs": lambda: em.friction(DIRECT, ROLL, velocity=0.1, load=1.0),
     "sliding over springs that are meant": lambda: slide(DIRECT, ROLL),
     "shear of springs that are meant": lambda: shear(DIRECT, ROLL, tangential=DIRECT),
     "a brush that is meant": lambda: traction(DIRECT, ROLL, tangential=DIRECT),
@@ -86,6 +89,7 @@ UNKNOWN = {
         "springs stand for a layer",
     ),
     "slide": (lambda: slide(RUBBER, BALL), "bare line"),
+    "slide, E* given": (lambda: slide(HALF, BALL), "bare line"),
     "slide, rough": (lambda: slide(RUBBER, LINE), "a rough line is no surface"),
     "drive": (lambda: drive(RUBBER, BALL), "bare line"),
     "shear": (lambda: shear(RUBBER, BALL), "whose size changes"),
@@ -100,6 +104,22 @@ UNKNOWN = {
         ),
         "springs stand for a layer",
     ),
+    "traction, E* given": (
+        lambda: traction(HALF, BALL, tangential=HALF),
+        "elements side by side",
+    ),
+    "shear, E* given": (lambda: shear(HALF, BALL, tangential=G_STAR), "size changes"),
+    "friction, no unit": (
+        lambda: em.friction(HALF, ROLL, velocity=0.1, load=1.0),
+        "per area [Pa/m] under a cylinder",
+    ),
+    "rolling, no unit": (
+        lambda: em.rolling(HALF, ROLL, velocity=0.1, load=1.0),
+        "per area [Pa/m] under a cylinder",
+    ),
+    "slide, no unit": (lambda: slide(HALF, ROLL), "per area [Pa/m]"),
+    "indent, no unit": (lambda: indent(HALF, ROLL), "per area [Pa/m]"),
+    "impact, no unit": (lambda: impact(HALF, ROLL), "per area [Pa/m]"),
     "traction, layer": (
         lambda: traction(em.layer(RUBBER, 5e-3), ROLL),
         "elements side by side",
@@ -165,6 +185,19 @@ def test_a_history_leaves_a_softening_out_and_warns(name):
         found = LINEAR[name]()
     assert np.isnan(found.model_error).all()
     assert any("softening" in doubt.says for doubt in found.doubts)
+
+
+@pytest.mark.parametrize("verb", [em.friction, em.rolling])
+def test_numbers_of_a_half_space_have_its_bound(verb):
+    found = verb(HALF, BALL, velocity=[0.1, 1.0], load=5.0, model="line")
+    rubber = verb(RUBBER, BALL, velocity=[0.1, 1.0], load=5.0, model="line")
+    three = verb(RUBBER, BALL, velocity=[0.1, 1.0], load=5.0)
+    name = "mu" if verb is em.friction else "coefficient"
+    off = getattr(found, name) - getattr(three, name)
+    assert (off > 0).all()
+    assert (off < found.model_error + three.model_error).all()
+    np.testing.assert_allclose(found.model_error, rubber.model_error, rtol=1e-9)
+    assert {doubt.kind for doubt in found.doubts} == {"bound"}
 
 
 def test_a_rough_line_is_no_surface():

@@ -70,7 +70,9 @@ class Foundation(AbstractRelaxation):
     For a half-space the numbers are E* [Pa]: an element of width dx carries E* u dx.
     For a layer they are stiffness per area [Pa/m]. `per_area` says which; None, as when
     the numbers are given directly, leaves it to the shape: a cylinder takes them per
-    area, every other shape as E*. Raises `InputError` as `Prony` does.
+    area, with a `model_error` of NaN until `per_area=True` says so; for every other
+    shape they are E* of a half-space, with its `model_error`. Raises `InputError` as
+    `Prony` does.
     """
 
     equilibrium: Float[Array, ""]  # E_inf [Pa, or Pa/m]

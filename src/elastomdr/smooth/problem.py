@@ -51,6 +51,12 @@ BARE = (
     "of 2)"
 )
 LAYER = "independent springs (textbook, not the layer itself)"
+# of a cylinder on a `Foundation` without `per_area`: why no bound is known, the remedy
+NO_UNIT = (
+    "numbers of a Foundation are taken per area [Pa/m] under a cylinder, as E* [Pa] "
+    "elsewhere",
+    "per_area=True in em.Foundation for springs, or the material itself",
+)
 MARCHED = "; elements marched by diffrax"
 
 
@@ -328,14 +334,18 @@ def solve(scene: SmoothScene) -> Steady:
     if not traced and not good.all():
         why = _sunk(scene) if result.sunk else nearly(good, result.error, result.mu)
         warn_unless(good, "points", f" to rtol={scene.plan.rtol:g}", why)
-    # A Foundation given directly is a line by definition; a half-space under the bare
-    # line is not.
-    bare = not scene.plan.averaged and scene.foundation.per_area is False
+    springs = scene.foundation.per_area or isinstance(scene.lines.shape, Cylinder)
+    bare = not scene.plan.averaged and not springs
     bound, line = BARE_LINE * result.mu if bare else 0.0, result.line
-    marks, strain, linear = (), None, None
+    marks: tuple[Doubt, ...] = ()
+    strain, linear = None, None
+    if in_no_unit(scene.foundation, scene.lines.shape):
+        bound, says = np.nan, f"have no bound on the model: {NO_UNIT[0]}"
+        points = good.reshape(scene.shape)
+        marks = (Doubt("no prediction", points, says, NO_UNIT[1]),)
     if softening is not None and soft is not None:
         outside = stop_gradient(xp.asarray(good & softening.outside(soft.strain)))
-        marks = beyond_sweep(outside.reshape(scene.shape), scene.foundation.range)
+        marks += beyond_sweep(outside.reshape(scene.shape), scene.foundation.range)
         strain = nan_unless(good, soft.strain).reshape(scene.shape)
         if soft.linear is not None:
             linear = nan_unless(good, soft.linear).reshape(scene.shape)
@@ -354,6 +364,11 @@ def solve(scene: SmoothScene) -> Steady:
     steady = report(scene.points, solved, scene.foundation, inputs, marks)
     deep = doubt_depth(scene.foundation, scene.lines.shape, steady.depth)
     return steady._replace(marks=(*steady.marks, *deep), strain=strain, linear=linear)
+
+
+def in_no_unit(foundation: Foundation, shape: object) -> bool:
+    """Whether numbers given directly are taken per area for the sake of the shape."""
+    return foundation.per_area is None and isinstance(shape, Cylinder)
 
 
 def nearly(good: Array, error: Array, mu: Array) -> str:

@@ -242,7 +242,7 @@ def _report(
     oblique = None
     if slips is not None:
         oblique = solve_oblique(slips, scene, shape, history, solution)
-    bounds = (bound_on(f, Bound()) for f in scene.foundations)
+    bounds = (bound_on(f, shape, Bound()) for f in scene.foundations)
     bound = next((one for one in bounds if one.why), Bound())
     max_depth = shaped(motion.max_depth)
     deep = doubt_depth(scene.foundations[0], shape, max_depth)

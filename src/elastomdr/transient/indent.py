@@ -303,7 +303,7 @@ def indent(
         edge=fast,
     )
 
-    bound = bound_on(foundation, Bound())
+    bound = bound_on(foundation, shape, Bound())
     if bonds is not None and not bound.warns:
         if not certain(lambda moduli: not moduli.any(), law.moduli):
             beyond += _beyond_table(bonds, solution)

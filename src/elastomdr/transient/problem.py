@@ -41,7 +41,7 @@ from ..material.validity import Range, material_in_words
 from ..results.doubts import Doubt
 from ..results.words import brief, describe
 from ..smooth.passage import Control
-from ..smooth.problem import BARE, LAYER, contact
+from ..smooth.problem import BARE, LAYER, NO_UNIT, contact, in_no_unit
 from ..surface.lines import AbstractLines
 from ..surface.rough_line import RoughLine
 from ..surface.shapes import AbstractShape, Cylinder
@@ -111,13 +111,17 @@ SOFTENED = Bound(
 )
 
 
-def bound_on(foundation: Foundation, on_half_space: Bound) -> Bound:
-    """Of a linear model that is exact on what is given directly."""
+def bound_on(
+    foundation: Foundation, shape: AbstractShape | RoughLine, on_half_space: Bound
+) -> Bound:
+    """Of a linear model that is exact on springs that are given per area."""
     if foundation.softening is not None:
         return SOFTENED
     if foundation.slab is not None:
         return SPRINGS
-    return on_half_space if foundation.per_area is False else Bound()
+    if in_no_unit(foundation, shape):
+        return unknown(*NO_UNIT)
+    return Bound() if foundation.per_area else on_half_space
 
 
 class SlidePlan(NamedTuple):
@@ -149,7 +153,8 @@ class SlidingBody(NamedTuple):
     @property
     def bound(self) -> Bound:
         """Of the model."""
-        bound = bound_on(self.foundation, STEADY_LINE)
+        over = self.over if isinstance(self.over, RoughLine) else self.over.shape
+        bound = bound_on(self.foundation, over, STEADY_LINE)
         return ROUGH_LINE if self.per_length and not bound.warns else bound
 
     def doubt_depth(self, depth: Array) -> tuple[Doubt, ...]:

@@ -175,7 +175,7 @@ def shear(
     reason = "The contact is wider there than the body or the grid."
     warn_unless(good, "instants", reason=reason)
     beyond = _judge(laws, given)
-    bound = bound_on(laws[0], _of_slip(laws, shape, mu, sheared))
+    bound = bound_on(laws[0], shape, _of_slip(laws, shape, mu, sheared))
     fields = {key: nan_unless(good, x) for key, x in sheared._asdict().items()}
     del fields["missed"]
     deep = doubt_depth(laws[0], shape, fields["depth"])

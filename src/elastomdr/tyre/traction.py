@@ -489,7 +489,7 @@ def _of_line(
     elastic = _is_elastic(normal.law()) and _is_elastic(sheared.law())
     if normal.per_area is False and elastic and tangential is None:
         return _of_a_ball
-    return lambda *_: bound_on(normal, VISCOELASTIC)
+    return lambda *_: bound_on(normal, scene.shape, VISCOELASTIC)
 
 
 def _of_a_ball(coefficient: Array, friction: Array) -> Bound:
