@@ -7,6 +7,7 @@ lowers its number: `python tests/house/test_size.py` prints the table of today.
 import ast
 from collections import Counter
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -50,8 +51,13 @@ LONG_TUPLES = 13
 GROUND = "ground"  # files of no room
 
 
-def files() -> Iterator[tuple[str, ast.Module]]:
+@cache
+def files() -> tuple[tuple[str, ast.Module], ...]:
     """The room of each file, and its syntax tree."""
+    return tuple(_files())
+
+
+def _files() -> Iterator[tuple[str, ast.Module]]:
     for path in sorted(SOURCE.rglob("*.py")):
         place = path.relative_to(SOURCE).parts
         yield place[0] if len(place) > 1 else GROUND, ast.parse(path.read_text("utf-8"))
@@ -64,6 +70,7 @@ def functions() -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef]:
                 yield node
 
 
+@cache
 def rooms() -> dict[str, int]:
     nodes: Counter[str] = Counter()
     for room, tree in files():

@@ -256,7 +256,7 @@ def test_stick_slip_of_a_drive():
 
 
 @pytest.mark.parametrize(
-    "given", [{"load": 10.0}, {"depth": 1e-6}], ids=["load", "depth"]
+    "given", [{"load": 10.0}, {"depth": 1e-5}], ids=["load", "depth"]
 )
 def test_a_load_on_a_surface_makes_it_a_line(given):
     rubber = em.StandardSolid(1e6, 1e6, 1e-2)

@@ -331,8 +331,7 @@ def test_no_name_is_a_formula_in_a_table(name, tmp_path):
         {"mu": ("material", [0.1, 0.2]), "converged": ("material", [True, True])},
         {"material": [name, "other"]},
     ).assign(state=("material", [1, 1]))
-    for end in (".csv", ".xlsx"):
-        _write_table(dataset, tmp_path / f"sweep{end}", [f"material: {name}"])
+    _write_table(dataset, tmp_path / "sweep.csv", [f"material: {name}"])
     for path in tmp_path.glob("*.csv"):
         for cell in cells_of(path.read_text()):
             assert not re.match(r"\s*[=@]|\s*[+-].*[(|!]", cell), (path.name, cell)
