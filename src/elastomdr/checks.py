@@ -471,3 +471,24 @@ def significant(value: float, digits: int = 4) -> str:
     noise.
     """
     return f"{value:.{digits}g}" if math.isfinite(value) else str(value)
+
+
+_SEEN = 1e-3  # the smallest share that words give
+
+
+def shares_in_words(shares: np.ndarray) -> str:
+    """The smallest and the largest of shares, where they differ."""
+    known = shares[np.isfinite(shares)]
+    if not known.size:
+        return "not known"
+    low, high = float(known.min()), float(known.max())
+    words = f"{percent(high)} of mu" + " where it is known" * (known.size < shares.size)
+    return words if low >= 0.9 * high or high < _SEEN else f"{percent(low)} to {words}"
+
+
+def percent(share: float) -> str:
+    """A share in words."""
+    if np.isnan(share):
+        return "not known"
+    words = significant(100 * share, 2 if share < 1 else 3)
+    return f"{words} %" if share >= _SEEN else "below 0.1 %"

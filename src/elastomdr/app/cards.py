@@ -11,12 +11,12 @@ from nicegui import background_tasks, ui
 
 import elastomdr as em
 
-from ..checks import significant
+from ..checks import percent, significant
 from ..errors import InputError
 from ..results.axes import Axis, Curve, peak
 from ..results.base import Result
 from ..results.curve import AbstractCurve, Ranking
-from ..results.uncertainty import SMALL, Uncertainty, computed, percent
+from ..results.uncertainty import SMALL, Uncertainty, computed
 from ..results.words import in_words
 from .scene import CancelledError, Done
 from .session import COMPUTING

@@ -168,8 +168,6 @@ class Change(NamedTuple):
     kelvin: float = 0.0  # by which the rubber is warmer
     stress: float = 1.0  # factor on the shear stress
     conducts: int | None = None  # as `Heat.at_end`
-    beyond: float = 1.0  # factor on moduli beyond the data of the rubber
-    decades: float = 0.0  # by which these begin further out than the data end
 
 
 class Assumed(NamedTuple):
@@ -597,16 +595,21 @@ class Result:
         value, shape = np.ravel(self._value(about))[i], np.shape(self.converged)
         unit = about.shown or about.unit
         number = significant(float(in_unit(value, about.shown)), 3)
-        where = ", ".join(
-            place_in_words(axis, int(j))
-            for axis, j in zip(self.axes(), np.unravel_index(i, shape), strict=True)
-            if axis.values.size > 1
-        )
+        where = self._place(i)
         said = number if unit == "-" else f"{number} {unit}"
         some = (doubt for doubt in self.doubts if not np.all(doubt.points))
         kinds = kinds_of_points(some, shape).ravel()[i]
         return (
             said + (f" at {where}" if where else "") + (f" ({kinds})" if kinds else "")
+        )
+
+    def _place(self, i: int) -> str:
+        """Where a point is, on the axes that have more than one place."""
+        places = np.unravel_index(i, np.shape(self.converged))
+        return ", ".join(
+            place_in_words(axis, int(j))
+            for axis, j in zip(self.axes(), places, strict=True)
+            if axis.values.size > 1
         )
 
     def _sure(self, i: int) -> str:

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .. import __version__
-from ..checks import in_si, is_whole, significant
+from ..checks import in_si, percent, significant
 from ..errors import InputError
 from ..files import as_path, csv_text, write_files
+from ..linear_update import narrowed
 from .axes import Quantity
 from .base import (
     AbstractPoints,
@@ -33,7 +34,7 @@ from .base import (
 from .doubts import TITLE, Doubt, carried, found, kinds_of_points
 from .friction_law import FrictionLaw, Ranked, gridded
 from .uncertainty import (
-    BEYOND,
+    EACH,
     ERRORS,
     FACTOR,
     FITTED,
@@ -44,9 +45,9 @@ from .uncertainty import (
     STRESS,
     Part,
     Uncertainty,
+    changed,
     computed,
-    largest_change,
-    percent,
+    unforetold,
     unknown,
 )
 from .words import in_words
@@ -168,21 +169,19 @@ class AbstractCurve(AbstractPoints):
                 got=self.model,
                 accepted="em.Marched() of one material for the elements of a curve",
             )
-        places = np.arange(good.size).reshape(good.shape)
-        where = point if isinstance(point, tuple) else (point,)
-        places = places if isinstance(point, tuple) else places.ravel()
-        inside = len(where) == places.ndim and all(
-            is_whole(j) and -n <= j < n
-            for j, n in zip(where, places.shape, strict=True)
-        )
-        i = int(places[where]) if inside else 0
-        if not inside or not good.flat[i]:
+        shape = good.shape if isinstance(point, tuple) else -1
+        places = np.arange(good.size).reshape(shape)
+        try:
+            i = places[point]
+        except IndexError:
+            i = np.zeros(0, int)
+        if np.ndim(i) or not good.flat[i]:
             raise InputError(
                 argument="point",
                 got=point,
                 accepted=f"the index of a point that converged, of shape {good.shape}",
             )
-        return call.elements(i, float(np.ravel(contact.leading)[i]))
+        return call.elements(int(i), float(np.ravel(contact.leading)[i]))
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Of each curve the largest and the smallest coefficient and where, and the
@@ -381,14 +380,8 @@ class FrictionCurve(AbstractCurve):
                 accepted="one for a friction law",
                 hint="choose it by .select(name)",
             )
-        fields = {q.key: value.ravel() for q, value in self.fields().items()}
-        points = {
-            name: fields[name]
-            for name in ("velocity", "temperature", "pressure")
-            if name in fields
-        }
         doubts = carried(self.examined(), np.ravel, failed=True)
-        return gridded({**points, "mu": fields["mu"]}, doubts)
+        return gridded(_gridded_fields(self), doubts)
 
     def _once_more(self, change: Change) -> Judged | None:
         """The curve with one thing changed; None where it cannot be computed."""
@@ -400,10 +393,12 @@ class FrictionCurve(AbstractCurve):
 
         By convention the shortest wave of a road is changed by a factor of two each
         way, its heights by 10 % or, of a scan, its spectrum by two standard errors, the
-        shear stress by 20 %, the temperature by 1 K, moduli beyond their data by a
-        factor of two; presets of `em.AdhesiveShear` and `em.Heat` are changed within
-        their bands. mu is computed again for each, so that this takes up to fourteen
-        times as long as the curve. Of draws the rubber's part is half of the interval
+        shear stress by 20 %, the temperature by 1 K; presets of `em.AdhesiveShear` and
+        `em.Heat` are changed within their bands. mu is computed again for each, so that
+        this takes up to eleven times as long as the curve. What a few points of
+        measured friction would leave is the linear update of shortest wave and shear
+        law; where it has no prediction nothing is narrowed, and the bound of the model
+        only where they are measured. Of draws the rubber's part is half of the interval
         of 95 % of them, the others are those of the first draw.
         Raises `InputError` for several materials that are no draws.
         """
@@ -429,6 +424,26 @@ class FrictionCurve(AbstractCurve):
         )
 
     def _parts(self) -> Iterator[Part]:
+        """The parts, with what measured friction leaves."""
+        parts = [*self._rows()]
+        lost = unforetold(self.examined(), self.mu) | ~np.isfinite(self.mu)
+        slopes = [np.where(lost, np.nan, p.after) for p in parts if p.test == MEASURED]
+        left, there = narrowed(np.array(slopes), EACH)
+        places = "; ".join(map(self._place, np.flatnonzero(there).tolist()))
+        test = ", at ".join(filter(None, [MEASURED, places]))
+        for each in parts:
+            if each.test == MEASURED:
+                # the model is not known better elsewhere
+                known = each.share > np.where(there, EACH, np.inf)
+                after = np.where(known, EACH, each.share)
+                after = after if each.source == "model" else left * each.share
+                each = each._replace(test=test, after=after)
+            yield each
+
+    def _rows(self) -> Iterator[Part]:
+        """The parts; of those that measured friction narrows, the slope of mu in place
+        of what that leaves.
+        """
         mu = np.asarray(self.mu, dtype=float)
         bound, told = self.model_error, tuple(self.examined())
         if self.mu_low is not None and self.mu_high is not None:
@@ -438,20 +453,14 @@ class FrictionCurve(AbstractCurve):
 
         def part(source: str, off: Assumed, test: str, left: float) -> Part:
             curves = [self._once_more(change) for change in off[1:]]
-            share, lost = largest_change(mu, told, curves)
-            return Part(source, share, off.says + lost, test, left * share)
-
-        def beyond(decades: float) -> Part:
-            ends = (each._replace(decades=decades) for each in BEYOND[1:])
-            return part(
-                "rubber beyond its data",
-                Assumed(BEYOND.says, *ends),
-                "moduli measured over one more decade at each end",
-                1.0,
-            )
+            share, slope, lost = changed(mu, told, curves)
+            after = slope if test == MEASURED else left * share
+            return Part(source, share, off.says + lost, test, after)
 
         if self.extrapolated is not None and np.any(self.extrapolated):
-            yield beyond(0.0)._replace(after=beyond(1.0).share)
+            nothing = np.where(self.extrapolated, np.nan, 0.0)
+            test = "moduli measured over one more decade at each end"
+            yield Part("rubber beyond its data", nothing, "not measured", test, nothing)
         call = self._call
         shear, heat = (None, None) if call is None else call.bands
         if self.pressure is not None:
@@ -465,7 +474,9 @@ class FrictionCurve(AbstractCurve):
         if self.adhesion is not None:
             shear = shear or STRESS
             of_mu = percent(np.nanmean(np.asarray(self.adhesion) / mu).item())
-            shear = shear._replace(says=f"{shear.says}; it makes {of_mu} of mu")
+            shear = shear._replace(
+                says=f"{shear.says}; it makes {of_mu} of mu on average"
+            )
             yield part("shear law", shear, MEASURED, 0.0)
         elif self.pressure is not None:
             yield unknown("shear law", mu, "no shear of the real contact", SHEAR)
@@ -510,17 +521,13 @@ class FrictionCurve(AbstractCurve):
             and np.isfinite(self.mu).any()
         ):
             i = int(np.nanargmax(self.mu))
-            v, one, other = (
-                float(np.ravel(x)[i])
-                for x in (self.velocity, self.hysteresis, self.adhesion)
+            one, other = (
+                significant(float(np.ravel(x)[i]))
+                for x in (self.hysteresis, self.adhesion)
             )
-            sentence = (
-                f"hysteresis {significant(one)} and adhesive shear {significant(other)}"
-            )
-            yield (
-                "parts of mu",
-                f"{sentence} where it is largest, at {in_words('velocity', v)}",
-            )
+            place = in_words("velocity", float(np.ravel(self.velocity)[i]))
+            said = f"hysteresis {one} and adhesive shear {other} where it is largest"
+            yield "parts of mu", f"{said}, at {place}"
         # where there are two, that at which moduli and shear stress are taken
         rise, before = self.contact_rise, self.cold
         where = "in the real contact "
@@ -528,17 +535,12 @@ class FrictionCurve(AbstractCurve):
             rise, where = self.temperature_rise, ""
         if rise is not None and before is not None and np.isfinite(rise).any():
             i = int(np.nanargmax(rise))
-            most, v, hot, cold = (
-                float(np.ravel(x)[i]) for x in (rise, self.velocity, self.mu, before)
+            most, hot, cold = (
+                significant(float(np.ravel(x)[i])) for x in (rise, self.mu, before)
             )
-            sentence = (
-                f"{where}at most {significant(most)} K above the rubber's, at "
-                f"{in_words('velocity', v)}: mu "
-            )
-            yield (
-                "flash temperature",
-                f"{sentence}{significant(hot)}, without heating {significant(cold)}",
-            )
+            place = in_words("velocity", float(np.ravel(self.velocity)[i]))
+            said = f"{where}at most {most} K above the rubber's, at {place}"
+            yield "flash temperature", f"{said}: mu {hot}, without heating {cold}"
 
 
 @record
@@ -733,8 +735,9 @@ def _ranked(
                 accepted="left out: the curve was computed without one",
             )
     point: dict[str, Any] = {
-        name: _middle(name, np.asarray(axis)) if asked[name] is None else asked[name]
+        name: float(_middle(name, np.asarray(axis)) if given is None else given)
         for name, axis in axes.items()
+        for given in [asked[name]]
     }
     places = [
         Ranked(
@@ -748,15 +751,11 @@ def _ranked(
         for name, (mu, error, fitted) in laws.items()
     ]
     places.sort(key=lambda place: -place.mu if np.isfinite(place.mu) else np.inf)
-
-    def coordinate(name: str) -> float | None:
-        return float(point[name]) if name in point else None
-
     return Ranking(
         tuple(_led(places)),
-        float(point["velocity"]),
-        coordinate("temperature"),
-        coordinate("pressure"),
+        point["velocity"],
+        point.get("temperature"),
+        point.get("pressure"),
         curve,
     )
 
@@ -777,14 +776,15 @@ def _laws(curve: FrictionCurve) -> tuple[FrictionLaw, FrictionLaw, bool]:
     """mu and its uncertainty as they are interpolated, and whether the latter knows of
     the material's fit.
     """
-    fields = {q.key: value.ravel() for q, value in curve.fields().items()}
-    points = {
-        name: fields[name]
-        for name in ("velocity", "temperature", "pressure")
-        if name in fields
-    }
-    error = np.abs(fields["error"])
-    return curve.law(), gridded({**points, "mu": error}), FITTED in dict(curve.inputs)
+    points = _gridded_fields(curve) | {"mu": np.abs(np.ravel(curve.error))}
+    return curve.law(), gridded(points), FITTED in dict(curve.inputs)
+
+
+def _gridded_fields(curve: FrictionCurve) -> dict[str, np.ndarray]:
+    """mu, and the points it is at, flat."""
+    names = ("velocity", "temperature", "pressure", "mu")
+    fields = curve.fields().items()
+    return {q.key: value.ravel() for q, value in fields if q.key in names}
 
 
 def _middle(name: str, axis: np.ndarray) -> float:

@@ -4,8 +4,9 @@ change, and which test would narrow the band, by how much.
 Numerical error and bound of the model are those of the curve. What else was not stated
 as an uncertainty is taken by a convention, which each row names: the shortest wave of a
 road a factor of two longer or shorter, its heights 10 % off where no scan says how well
-they are known, a shear stress 20 %, a temperature 1 K, moduli beyond their data a factor
-of two. So is what a test leaves.
+they are known, a shear stress 20 %, a temperature 1 K. So is what a test leaves; what
+measured friction leaves follows from the derivatives of mu. What moduli beyond their data
+are is not known.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ..checks import significant
+from ..checks import percent, shares_in_words
 from ..errors import Advised, InputError
+from ..linear_update import relative
 from .axes import Axis, Quantity, dimensions
 from .base import (
     AbstractPoints,
@@ -46,13 +48,8 @@ ERRORS = Assumed(
 )
 STRESS = Assumed("shear stress off by 20 %", Change(stress=1.2), Change(stress=0.8))
 KELVIN = Assumed("off by 1 K", Change(kelvin=1.0), Change(kelvin=-1.0))
-BEYOND = Assumed(
-    "moduli beyond their data off by a factor of 2",
-    Change(beyond=2.0),
-    Change(beyond=0.5),
-)
-_SEEN = 1e-3  # the smallest share that words give
 SMALL = 0.02  # share of the band that a test must take away to be named
+EACH = 0.05  # how well measured friction is known, relative
 MEASURED = "3 points of measured friction, each to 5 %"
 # the argument, the key of a scene and, as data, the field of the page
 DRAWS = "draws of a fit in place of the material: " + Advised.of(
@@ -61,7 +58,6 @@ DRAWS = "draws of a fit in place of the material: " + Advised.of(
 SHEAR = "a shear law where the road is dry: " + Advised.of(
     ("adhesion=, [adhesion] of a scene", {"adhesion": ""})
 )
-_OWN = {MEASURED: 0.05 / 3**0.5}  # error of a test itself, relative
 
 
 class Part(NamedTuple):
@@ -77,8 +73,10 @@ class Part(NamedTuple):
 
     def words(self) -> str:
         """Share, convention, test and what that leaves."""
-        left = f", {_range(self.after)} left" if (self.after > 0).any() else ""
-        return f"{_range(self.share)} ({self.assumed}); surer: {self.test}{left}"
+        left = f", {shares_in_words(self.after)} left" if (self.after > 0).any() else ""
+        return (
+            f"{shares_in_words(self.share)} ({self.assumed}); surer: {self.test}{left}"
+        )
 
 
 class Surer(NamedTuple):
@@ -193,18 +191,22 @@ class Uncertainty(AbstractPoints):
         shares = {p.source: p.after if p.test == test else p.share for p in self}
         bounds = shares.pop("numerical") + shares.pop("model")
         squares = (np.nan_to_num(share) ** 2 for share in shares.values())
-        return bounds + np.sqrt(sum(squares) + _OWN.get(test, 0.0) ** 2)
+        return bounds + np.sqrt(sum(squares))
 
     def surer(self) -> tuple[Surer, ...]:
         """The tests that would narrow the band, the one that would most first; then
-        those of parts that are not known.
+        those of parts that are not known. Points that did not converge are left out.
         """
-        before, tests = np.max(self.half_band()), []
+        good = np.isfinite(np.broadcast_to(self.mu, self.share.shape)[0])
+        tests: list[Surer] = []
+        if not good.any():
+            return ()
+        before = float(np.max(self.half_band()[good]))
         for test in dict.fromkeys(self.tests):
-            told = np.isfinite([part.after for part in self if part.test == test])
-            after = float(np.max(self.half_band(test))) if told.any() else np.nan
+            told = np.isfinite([part.after[good] for part in self if part.test == test])
+            after = float(np.max(self.half_band(test)[good])) if told.all() else np.nan
             lower = after < (np.inf if np.isnan(before) else before * (1 - SMALL))
-            if lower or not told.any():
+            if lower or not told.all():
                 tests.append(Surer(test, before, after))
         return tuple(sorted(tests, key=lambda each: np.nan_to_num(each.after, nan=1e9)))
 
@@ -212,7 +214,7 @@ class Uncertainty(AbstractPoints):
         """What the curve was computed of, the parts, the band, the tests, the doubts."""
         yield from self.inputs
         yield from ((f"part, {part.source}", part.words()) for part in self)
-        yield "band", _range(self.half_band())
+        yield "band", shares_in_words(self.half_band())
         yield from (("surer", each.words()) for each in self.surer())
         yield from ((doubt.kind, doubt.words()) for doubt in self.doubts)
 
@@ -246,45 +248,24 @@ def unknown(source: str, value: Array, assumed: str, test: str) -> Part:
     return Part(source, nowhere, assumed, test, nowhere)
 
 
-def largest_change(
+def changed(
     mu: np.ndarray, told: Iterable[Doubt], curves: list[Judged | None]
-) -> tuple[np.ndarray, str]:
-    """The largest change of mu among curves, relative, NaN where one is not known; and
-    in words where one has no prediction though the doubts that were `told` are others.
+) -> tuple[np.ndarray, np.ndarray, str]:
+    """The larger change of mu, up or down, relative, NaN where one is not known; half
+    of the difference, with its sign; and in words where one has no prediction though
+    the doubts that were `told` are others.
     """
     lost = np.zeros(mu.shape, bool)
     for curve in filter(None, curves):
-        lost |= _unforetold(curve.examined(), mu)
-    lost &= ~_unforetold(told, mu)
-    others = [np.nan if curve is None else np.asarray(curve.mu) for curve in curves]
-    size = np.where(mu == 0, np.nan, mu)
-    share = np.max([np.abs(other / size - 1) for other in others], axis=0)
-    return (
-        share,
-        f"; then no prediction at {lost.sum()} of {lost.size} points"
-        if lost.any()
-        else "",
-    )
+        lost |= unforetold(curve.examined(), mu)
+    lost &= ~unforetold(told, mu)
+    ends = [np.nan if curve is None else np.asarray(curve.mu) for curve in curves]
+    off = relative(mu, ends)
+    count = f"; then no prediction at {int(lost.sum())} of {lost.size} points"
+    return *off, count if lost.any() else ""
 
 
-def _unforetold(doubts: Iterable[Doubt], mu: np.ndarray) -> np.ndarray:
+def unforetold(doubts: Iterable[Doubt], mu: Array) -> np.ndarray:
+    """The points without prediction, of the shape of mu."""
     there = where(doubts, "no prediction")
-    return np.broadcast_to(False if there is None else np.asarray(there), mu.shape)
-
-
-def _range(shares: np.ndarray) -> str:
-    """The smallest and the largest of shares, where they differ."""
-    known = shares[np.isfinite(shares)]
-    if not known.size:
-        return "not known"
-    low, high = known.min(), known.max()
-    words = f"{percent(high)} of mu" + " where it is known" * (known.size < shares.size)
-    return words if low >= 0.9 * high or high < _SEEN else f"{percent(low)} to {words}"
-
-
-def percent(share: float) -> str:
-    """A share in words."""
-    if np.isnan(share):
-        return "not known"
-    words = significant(100 * share, 2 if share < 1 else 3)
-    return f"{words} %" if share >= _SEEN else "below 0.1 %"
+    return np.broadcast_to(False if there is None else there, np.shape(mu))

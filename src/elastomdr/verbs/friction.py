@@ -14,7 +14,7 @@ from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import is_traced, numpy_unless_traced
 from ..errors import InputError, quiet
-from ..material.relaxation import AbstractRelaxation, scaled
+from ..material.relaxation import scaled
 from ..models import Line, as_model
 from ..progress_bar import reporter
 from ..results.base import Assumed, Change
@@ -74,10 +74,7 @@ class CallAgain:
             asked = dataclasses.replace(asked, temperature=warmer)
         if adhesion is not None:
             adhesion = replaced(adhesion, stress=adhesion.stress * change.stress)
-        solid = _beyond(call.material, change)
-        if solid is None:
-            return None
-        given = {"asked": asked, "material": solid, "rtol": max(call.rtol, _ROUGHLY)}
+        given = {"asked": asked, "rtol": max(call.rtol, _ROUGHLY)}
         try:
             if isinstance(call, RoughCall):
                 given |= {"surface": _altered(call.surface, change), "progress": None}
@@ -123,21 +120,6 @@ def _elements(call: SmoothCall, point: int, leading: float) -> SteadyElements:
         scene.reduced[point : point + 1],
         per="Pa" if scene.foundation.per_area else "N/m",
         title=f"{scene.plan.scene}, {in_words('velocity', velocity)}",
-    )
-
-
-def _beyond(material: Any, change: Change) -> Any:
-    """The rubber, its moduli beyond its data changed; None where these are not known."""
-    if change.beyond == 1:
-        return material
-    known = getattr(material, "range", None)
-    if not isinstance(material, AbstractRelaxation) or not (known and known.omega):
-        return None
-    (low, high), far = known.omega, 10.0**change.decades
-    rate = 1 / np.asarray(material.times)
-    outside = (rate < low / far) | (rate > high * far)
-    return replaced(
-        material, moduli=material.moduli * np.where(outside, change.beyond, 1.0)
     )
 
 
