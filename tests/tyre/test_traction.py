@@ -653,3 +653,20 @@ def test_isotropic_brush_without_side_slip():
     np.testing.assert_allclose(found.contact.leading, half, rtol=1e-9)
     np.testing.assert_allclose(found.force, 949.8003701759999, rtol=1e-6)
     assert float(found.model_error) == 0
+
+
+@pytest.mark.parametrize("name", ["creepage", "friction"])
+def test_transformed_by_what_the_contact_does_not_depend_on(name):
+    rubber, ball = em.load_material("epdm-70"), em.Sphere(0.01)
+    given = {"velocity": 1.0, "load": 1.0, "creepage": 5e-3, "friction": 0.5}
+
+    def pull(x):
+        return em.traction(rubber, ball, **{**given, name: x}).coefficient
+
+    at = given[name]
+    expected = float(pull(at))
+    slope = (float(pull(1.001 * at)) - float(pull(0.999 * at))) / (2e-3 * at)
+    np.testing.assert_allclose(jax.jit(pull)(at), expected, rtol=1e-6)
+    both = jax.vmap(pull)(jax.numpy.array([at, 2 * at]))
+    np.testing.assert_allclose(both, [expected, float(pull(2 * at))], rtol=1e-5)
+    np.testing.assert_allclose(jax.grad(pull)(at), slope, rtol=1e-4)

@@ -359,14 +359,8 @@ def _on_line(
 ) -> Traction:
     """A body on the MDR line, or on springs. Raises `InputError`."""
     normal, sheared = _foundations(material, scene, tangential)
-    asked = Asked(
-        scene.velocity, scene.load, scene.depth, temperature=scene.temperature
-    )
-    steady = check(
-        SmoothCall("rolling", normal, scene.shape, asked, scene.model, scene.rtol),
-        softens=False,
-    )
-    solution = solve(steady)
+    # in numbers though JAX traces creepage or friction, which they do not depend on
+    steady, solution = _pressed(normal, scene._replace(creepage=None, friction=None))
     friction, doubts = scene.friction_in(
         solution.velocity,
         steady.temperature,
@@ -390,6 +384,17 @@ def _on_line(
         model=BRUSH + steady.plan.model,
         plan=steady.plan,
     )
+
+
+@numpy_unless_traced
+def _pressed(normal: Foundation, scene: _TractionScene) -> tuple[SmoothScene, Steady]:
+    """The contact as it rolls freely."""
+    asked = Asked(
+        scene.velocity, scene.load, scene.depth, temperature=scene.temperature
+    )
+    call = SmoothCall("rolling", normal, scene.shape, asked, scene.model, scene.rtol)
+    steady = check(call, softens=False)
+    return steady, solve(steady)
 
 
 def _foundations(
