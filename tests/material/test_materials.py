@@ -308,6 +308,9 @@ def test_shift_laws():
     np.testing.assert_allclose(vft.a(320.0), wlf.a(320.0), rtol=1e-12)
     same = vft.to_wlf()
     np.testing.assert_allclose([same.c1, same.c2], [8.86, 101.6], rtol=1e-12)
+    for law in (wlf, vft):
+        energy = law.activation_energy(320.0)
+        np.testing.assert_allclose(energy, 55417.14599017189, rtol=1e-10)
     np.testing.assert_allclose(moved.a(298.15), 1.0, rtol=1e-12)
 
 
@@ -315,6 +318,7 @@ def test_arrhenius():
     law = em.Arrhenius(80e3, 298.15)
     expected = np.exp(80e3 / 8.31446261815324 * (1 / 310.0 - 1 / 298.15))
     np.testing.assert_allclose(law.a(310.0), expected, rtol=1e-12)
+    np.testing.assert_allclose(law.activation_energy([290.0, 310.0]), 80e3, rtol=1e-12)
 
 
 def test_shift_table_passes_through_its_points():

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from ..arrays import xp
+from ..arrays import in_float64, xp
 from ..checks import (
     Array,
     alike,
@@ -90,6 +90,17 @@ class AbstractShift(_TemperatureLaw):
         # close above the pole: infinite, for the caller to judge
         with np.errstate(over="ignore"):
             return 10.0 ** self._log10_a(self._checked(temperature))
+
+    @in_float64
+    def activation_energy(self, temperature: ArrayLike) -> Array:
+        """Apparent activation energy R d(ln a_T)/d(1/T) [J/mol] at temperatures [K],
+        any shape.
+        """
+        import jax
+
+        at = self._checked(temperature)
+        _, slope = jax.jvp(self._log10_a, (at,), (xp.ones_like(at),))
+        return -GAS_CONSTANT * at**2 * _LN10 * slope
 
 
 class WLF(AbstractShift):
