@@ -12,7 +12,7 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from .checks import is_whole
+from .checks import is_whole, positive_arrays, whole_number
 from .errors import Advised, InputError, closest, either
 from .units.arguments import constructor_in_si
 
@@ -111,6 +111,11 @@ class Line(Model):
 
     def __post_init__(self) -> None:
         seeds_of(self.seeds)
+        whole_number("periods", self.periods, 1)
+        if self.samples is not None:
+            whole_number("samples", self.samples, 64)
+        if not isinstance(self.equivalent_length, str):
+            positive_arrays({"equivalent_length": self.equivalent_length})
 
 
 @constructor_in_si
@@ -175,11 +180,7 @@ def seeds_of(seeds: int | Sequence[int]) -> tuple[int, ...]:
     """The seeds of an ensemble: that many from 0 on, or those given. Raises
     `InputError`.
     """
-    if (
-        isinstance(seeds, int)
-        and not isinstance(seeds, bool)
-        and 1 <= seeds <= _MOST_LINES
-    ):
+    if is_whole(seeds) and 1 <= seeds <= _MOST_LINES:
         return tuple(range(seeds))
     listed: Any = (
         seeds

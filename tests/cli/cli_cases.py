@@ -47,7 +47,8 @@ reference = 293.15
 BAD_SCENES = {
     "model of a surface": (
         ('"line"', '"persson"'),
-        'model must be "averaged", "line" or "half-space" for a paraboloid, got "persson"',
+        'model must be "averaged", "line", "marched" or "half-space" for a paraboloid, '
+        'got "persson"',
     ),
     "unknown key": (('title = "Slider"', 'titel = "Slider"'), "Did you mean 'title'"),
     "unknown table": (("[numerics]", "[numeric]"), "Did you mean 'numerics'"),

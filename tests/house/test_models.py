@@ -181,3 +181,29 @@ def test_nothing_asks_which_model_it_has():
         for place in asked(path, names)
     ]
     assert not wrong, wrong
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("samples", -3), ("samples", 63), ("periods", 0), ("equivalent_length", -1.0)],
+)
+def test_a_line_refuses_what_is_none_when_it_is_made(name, value):
+    with pytest.raises(em.InputError) as refusal:
+        em.Line(**{name: value})
+    assert refusal.value.argument == name
+
+
+def test_every_model_of_a_smooth_body_is_offered():
+    for verb in (em.friction, em.rolling):
+        with pytest.raises(em.InputError) as refusal:
+            verb(RUBBER, em.Sphere(0.01), velocity=1.0, load=1.0, model=em.Persson())
+        assert "em.Marched()" in str(refusal.value.accepted)
+    with pytest.raises(em.InputError) as refusal:
+        em.rolling(
+            em.layer(RUBBER, 0.01),
+            em.Cylinder(0.01, 0.1),
+            velocity=1.0,
+            load=1.0,
+            model=em.Persson(),
+        )
+    assert "em.Marched()" not in str(refusal.value.accepted)

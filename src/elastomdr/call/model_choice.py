@@ -57,7 +57,7 @@ def of_smooth(model: Model | str | None, quantity: str, label: str) -> Averaged 
     raise InputError(
         argument="model",
         got=model,
-        accepted=named(Averaged(), Line()) + f" for {quantity} of a {label}",
+        accepted=named(Averaged(), Line(), Marched()) + f" for {quantity} of a {label}",
     )
 
 
@@ -65,16 +65,15 @@ def of_layer(model: Model | str | None, quantity: str, label: str) -> Averaged |
     """The model of a smooth body on an `em.layer`, or of a cylinder on a half-space,
     which have no elements. Raises `InputError`.
     """
-    chosen = of_smooth(model, quantity, label)
-    if isinstance(chosen, Marched):
-        raise InputError(
-            argument="model",
-            got=chosen,
-            accepted=named(Averaged(), Line()) + f" for a {label} on this material",
-            hint="it has no independent elements, as a ball on a half-space and "
-            "em.springs have",
-        )
-    return chosen
+    chosen = as_model(model)
+    if chosen is None or (chosen.on_line and not chosen.marched):
+        return of_smooth(chosen, quantity, label)
+    raise InputError(
+        argument="model",
+        got=chosen,
+        accepted="em.Averaged() or em.Line() without independent elements, which a "
+        "ball on a half-space and em.springs have",
+    )
 
 
 def of_line(model: Model | str | None, call: str) -> Line:

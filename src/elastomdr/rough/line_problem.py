@@ -11,7 +11,6 @@ import numpy as np
 from ..call.problem import SteadyScene, rough_scene
 from ..checks import (
     is_traced,
-    positive,
     scalar,
     untraced,
     whole_number,
@@ -142,9 +141,7 @@ def _length(
             else "; depth of the line",
         )
     if equivalent_length is not None and not isinstance(equivalent_length, str):
-        length = scalar("equivalent_length", equivalent_length)
-        positive("equivalent_length", length)
-        length = float(length)
+        length = float(scalar("equivalent_length", equivalent_length))
         return length, f"; pressure p as line load p L with L = {length:.4g} m as given"
     if not isinstance(surface, AbstractSpectrum):
         raise InputError(

@@ -52,7 +52,8 @@ def cells_of_body(model: Model | str | None, quantity: str, label: str) -> int |
         raise InputError(
             argument="model",
             got=model,
-            accepted=named(Averaged(), Line(), HalfSpace()) + f" for a {label}",
+            accepted=named(Averaged(), Line(), Marched(), HalfSpace())
+            + f" for a {label}",
         )
     if model.seeds != 1 or model.periods is not None:
         raise InputError(
