@@ -265,7 +265,7 @@ def test_calibration_of_a_roughness_cutoff():
         factor
     )
     assert abs(direction["q_high"]) < 0.05
-    assert "least known" in repr(free)
+    assert "weakest" in repr(free)
     assert list(free.prior) == list(free.parameters)
 
 

@@ -375,7 +375,8 @@ class ComputedStage:
             return
         self._session.calibrated = found
         scene = self._session.scenes["friction"]
-        scene |= {key: found.content[key] for key in ("surface", "adhesion")}
+        keys = found.content.keys() & {"surface", "adhesion"}
+        scene |= {key: found.content[key] for key in keys}
         self._draw_form()
         await self.compute()
         self._notes.show(

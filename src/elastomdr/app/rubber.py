@@ -4,6 +4,7 @@ residuals; isotherms can be shifted by hand.
 
 import copy
 import dataclasses
+import shlex
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -14,7 +15,7 @@ from nicegui import background_tasks, ui
 import elastomdr as em
 
 from ..checks import significant
-from ..cli.fit import Fit, command
+from ..cli.fit import Fit
 from ..cli.schema import Content, decode, keys_of
 from ..errors import InputError, advised
 from ..fit.figures import draw_shifts, draw_spectrum
@@ -268,7 +269,7 @@ def calculate(
     warned = tuple(map(spoken, (*fit.warnings, *rows)))
     offsets = np.zeros(fit.master.temperature.size)
     return Fitted(
-        name, command(content), fit.summary(), warned, {}, fit, content, offsets
+        name, _command(content), fit.summary(), warned, {}, fit, content, offsets
     )
 
 
@@ -493,3 +494,19 @@ def overlap(master: MasterCurve, i: int) -> tuple[float, int]:
 
 def _celsius(temperature: float) -> str:
     return f"{round(float(temperature) - 273.15, 1) + 0.0:g} °C"
+
+
+def _command(content: Content) -> str:
+    """The command that does what the form of the page asks for."""
+    words = ["elastomdr", "fit", *content["data"]]
+    for key, value in content.items():
+        option = f"--{key.replace('_', '-')}"
+        if isinstance(value, bool):
+            no_option = [f"--no-{key}"] if key == "vertical" else []
+            words += [option] if value else no_option
+        elif key == "column" and isinstance(value, list):
+            words += [f"{option}={one}" for one in value]
+        elif key != "data":
+            listed = value if isinstance(value, list) else [value]
+            words.append(f"{option}={','.join(map(str, listed))}")
+    return shlex.join(words)

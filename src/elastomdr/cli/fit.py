@@ -11,7 +11,6 @@ import copy
 import dataclasses
 import os
 import re
-import shlex
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -20,7 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import elastomdr as em
 
-from ..errors import InputError, quiet
+from ..errors import InputError, closest, quiet
 from ..files import csv_text
 from ..trees import replaced
 from . import DONE, NOT_CONVERGED
@@ -199,22 +198,6 @@ class Fit(Table):
             return em.fit.softening(sweeps)
 
 
-def command(content: Content) -> str:
-    """The command that does what the form of the page asks for."""
-    words = ["elastomdr", "fit", *content["data"]]
-    for key, value in content.items():
-        option = f"--{key.replace('_', '-')}"
-        if isinstance(value, bool):
-            no_option = [f"--no-{key}"] if key == "vertical" else []
-            words += [option] if value else no_option
-        elif key == "column" and isinstance(value, list):
-            words += [f"{option}={one}" for one in value]
-        elif key != "data":
-            listed = value if isinstance(value, list) else [value]
-            words.append(f"{option}={','.join(map(str, listed))}")
-    return shlex.join(words)
-
-
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of this command."""
     # "-20degC" is a temperature, not an option
@@ -387,9 +370,8 @@ def _column(option: str) -> tuple[str, str | int]:
     return role.strip(), int(title) if title.strip().isdigit() else title.strip()
 
 
-# what a scene cannot hold
-_OF_NO_SCENE = {"gain"}
 _OF_LOAD = ("pressure", "load", "depth")
+_SHOWN = ("weakest", "residuals")  # of what a calibration says, without --verbose
 # of a [surface], the parameter of each, and its size for one decade of that: C goes as
 # the heights squared
 _ERRORS = {"cutoff_error": ("q_high", 2.3026), "level_error": ("heights", 4.6052)}
@@ -407,18 +389,10 @@ class Calibrated(NamedTuple):
     def lines(self) -> list[tuple[str, str]]:
         """What is printed."""
         found = self.found
-        known = [n for n in found.parameters if n not in found.undecided]
-        said = [
-            (
-                "found",
-                ", ".join(f"{name} {found.in_units(name)}" for name in known)
-                or "nothing: the data decide none of the parameters",
-            )
-        ]
-        shown = {"residuals": "residuals", "least known": "weakest"}
-        said += [
-            (shown[name], words) for name, words in found.findings() if name in shown
-        ]
+        known = ", ".join(f"{name} {found.in_units(name)}" for name in found.decided)
+        known = known or "nothing: the data decide none of the parameters"
+        said = [("left out", line) for line in self.data.report] + [("found", known)]
+        said += [pair for pair in found.findings() if pair[0] in _SHOWN]
         return [*said, *[("doubts", " ".join(found.warnings))][: len(found.warnings)]]
 
 
@@ -439,22 +413,29 @@ def calibrated(
     """
     import numpy as np
 
+    from ..fit.calibration import MEANINGS, SHEAR
     from ..material.library import material_info
     from ..surface.spectrum import AbstractSpectrum
     from .compute import write_figure
 
-    for name in set(parameters) & _OF_NO_SCENE:
+    held = [SHEAR, *MEANINGS]
+    held.remove("gain")  # which no scene can hold
+    for name in set(parameters).difference(held):
         raise InputError(
-            argument="parameters", got=name, accepted="among those that a scene holds"
+            argument="parameters",
+            got=name,
+            accepted=f"among {', '.join(held)}",
+            hint=closest(name, held),
         )
-    named = content.get("measured")
+    content = copy.deepcopy(content)
+    named = content.pop("measured", None)
     if measured is None and not isinstance(named, str):
         raise InputError(
             argument="measured", got=named, accepted="a file of measured friction"
         )
     file = measured or folder / str(named)
-    content = {k: v for k, v in copy.deepcopy(content).items() if k != "measured"}
-    plain = {k: v for k, v in copy.deepcopy(content).items() if k != "uncertainty"}
+    plain = copy.deepcopy(content)
+    plain.pop("uncertainty", None)
     known: Any = plain.get("surface", {})
     widths = {
         name: known.pop(key) / decades
@@ -496,9 +477,17 @@ def calibrated(
     files: dict[str, Callable[[Path], object]] = {
         f"{stem}-calibrate.csv": found.to_csv,
         f"{stem}-calibrate.png": partial(write_figure, found, {}),
-        f"{stem}-material.toml": partial(em.save_material, found.material, info=about),
     }
+    if not found.decided:  # moved within what was assumed: nothing to compute with
+        return Calibrated(found, content, files, data, file)
+    written = partial(em.save_material, found.material, info=about)
+    files[f"{stem}-material.toml"] = written
     content |= {"material": f"{stem}-material.toml"}
+    if data.temperature is not None and "temperature" not in content:
+        kelvin = np.unique(np.round(data.temperature - 273.15))
+        content["temperature"] = [f"{t:g} degC" for t in kelvin]
+    if not getattr(found.material.range, "misfit", ()):
+        content.pop("uncertainty", None)
     if isinstance(surface := found.shape, AbstractSpectrum):
         files[f"{stem}-surface.csv"] = partial(_write_surface, surface)
         road = content["surface"]
@@ -509,6 +498,8 @@ def calibrated(
         for key, (name, decades) in _ERRORS.items():
             if key in road and name in found.std:
                 road[key] = found.std[name] * decades
+            if "uncertainty" not in content:  # they are refused without draws
+                road.pop(key, None)
     if (law := found.adhesion) is not None and not law.typical:
         content["adhesion"] = {
             "stress": f"{float(law.stress)!r} Pa",
@@ -533,13 +524,13 @@ def run_calibration(options: argparse.Namespace) -> int:
     """Writes the scene with its material and surface, table and figure; returns the
     exit status.
     """
-    from .compute import aligned, output_folder, write_all
+    from .compute import aligned, output_folder, warned_of_at_the_end, write_all
 
     path, folder = Path(options.scene), output_folder(options.out)
     with of_file(path):
         content = read_content(path)
     try:
-        with em.progress("calibrating"):
+        with warned_of_at_the_end(), em.progress("calibrating"):
             done = calibrated(
                 content,
                 path.parent,
@@ -561,11 +552,14 @@ def run_calibration(options: argparse.Namespace) -> int:
     for table in scene.values():
         if isinstance(table, dict) and isinstance(file := table.get("file"), str):
             table["file"] = os.path.relpath(path.parent / file, folder)
-    name = f"{path.stem}-calibrated"
-    text = toml("friction", scene, name, (f"calibrated with {done.measured.name}",))
-    files = done.files | {f"{name}.toml": lambda to: to.write_text(text, "utf-8")}
+    name, files, said = f"{path.stem}-calibrated", done.files, done.lines()
+    if done.found.decided:
+        notes = (f"{word}: {text}" for word, text in said)
+        notes = (f"calibrated with {done.measured.name}", *notes)
+        text = toml("friction", scene, name, notes)
+        files |= {f"{name}.toml": lambda to: to.write_text(text, "utf-8")}
     write_all(folder, files)
-    print(aligned(done.lines()))
+    print(aligned(said))
     if options.verbose:
         print(done.found.summary())
         points: Any = done.data.points

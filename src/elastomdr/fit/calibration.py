@@ -290,6 +290,11 @@ class Calibration(AbstractWithTable):
             if after > _NOT_LEARNED * self.prior[name]
         ]
 
+    @property
+    def decided(self) -> list[str]:
+        """The others."""
+        return [name for name in self.parameters if name not in self.undecided]
+
     def _in_units(self, name: str) -> tuple[list[float], str]:
         """A parameter and the ends of its 95 % interval, and the unit of what it
         changes.
@@ -335,7 +340,7 @@ class Calibration(AbstractWithTable):
                 if abs(slope) > _LEAST
             ]
             yield (
-                "least known",
+                "weakest",
                 (
                     f"{' '.join(named)} (in prior widths), to {left:.0%} of what was "
                     "assumed"
@@ -393,8 +398,7 @@ class Calibration(AbstractWithTable):
             "Measured, and as calibrated",
             ", ".join(
                 f"{name} {value:.3g}{unit}"
-                for name in self.parameters
-                if name not in self.undecided
+                for name in self.decided
                 for (value, *_), unit in [self._in_units(name)]
             ),
             ax,
