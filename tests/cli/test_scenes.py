@@ -137,9 +137,10 @@ def test_what_friction_rests_on_stands_beside_it(tmp_path, capsys):
     np.testing.assert_allclose(share, held.share.ravel(), rtol=1e-6, atol=1e-9)
     assert all("illustrative" in row["doubts"] for row in rows)
     assert any(line.startswith("# illustrative: 4 of 4") for line in lines)
-    i, j = np.unravel_index(np.nanargmax(held.share), held.share.shape)
-    most = next(line for line in said if "share" in line)
-    assert mentions(most, held.sources[i], f"{held.velocity.ravel()[j]:.3g}")
+    assert [line.split()[0] for line in said[-3:]] == ["band", "surer", "wrote"]
+    widest = np.nanmax(held.half_band())
+    assert mentions(said[-3], f"{100 * widest:.2g} %")
+    assert mentions(said[-2], held.surer()[0].test)
 
 
 def test_rolling_of_the_same_rubber_stands_beside_its_friction(tmp_path, capsys):

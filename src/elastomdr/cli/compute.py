@@ -88,11 +88,13 @@ def run(options: argparse.Namespace) -> int:
 
 def aligned(pairs: Iterable[tuple[str, str]]) -> str:
     """Names and sentences, a line each."""
-    return "\n".join(f"{name:<10}{sentence}" for name, sentence in pairs)
+    return "\n".join(f"{name:<9} {sentence}" for name, sentence in pairs)
 
 
 def _in_two(result: "Result") -> str:
-    """What is printed of a result beside the first: its largest value and its doubts."""
+    """What is printed of a result beside the first: its largest value and its doubts;
+    of an uncertainty the band and what would narrow it most.
+    """
     largest, *_, doubts = result.headline()
     return aligned([largest, doubts])
 

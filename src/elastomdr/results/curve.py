@@ -360,7 +360,9 @@ class FrictionCurve(AbstractCurve):
         left_out = []
         if self.adhesion is not None:
             share = float(np.ravel(self.adhesion)[i] / np.ravel(self.mu)[i])
-            left_out.append(f"the shear law ({significant(100 * share, 2)} % of mu)")
+            left_out.append(
+                f"the shear law ({significant(100 * share, 2)} % of mu there)"
+            )
         if self.pressure is not None:
             left_out.append("the shortest wave of the surface")
         if left_out:
@@ -430,13 +432,12 @@ class FrictionCurve(AbstractCurve):
         slopes = [np.where(lost, np.nan, p.after) for p in parts if p.test == MEASURED]
         left, there = narrowed(np.array(slopes), EACH)
         places = "; ".join(map(self._place, np.flatnonzero(there).tolist()))
-        test = ", at ".join(filter(None, [MEASURED, places]))
+        test = f"{MEASURED}, at {places}" if places else MEASURED
         for each in parts:
             if each.test == MEASURED:
-                # the model is not known better elsewhere
-                known = each.share > np.where(there, EACH, np.inf)
-                after = np.where(known, EACH, each.share)
-                after = after if each.source == "model" else left * each.share
+                after = left * each.share
+                if each.source == "model":  # which is not known better elsewhere
+                    after = np.where(there, np.fmin(each.share, EACH), each.share)
                 each = each._replace(test=test, after=after)
             yield each
 

@@ -199,16 +199,23 @@ class Uncertainty(AbstractPoints):
         """
         good = np.isfinite(np.broadcast_to(self.mu, self.share.shape)[0])
         tests: list[Surer] = []
-        if not good.any():
-            return ()
-        before = float(np.max(self.half_band()[good]))
+        before = float(np.max(self.half_band()[good], initial=0.0))
         for test in dict.fromkeys(self.tests):
             told = np.isfinite([part.after[good] for part in self if part.test == test])
-            after = float(np.max(self.half_band(test)[good])) if told.all() else np.nan
+            after = (
+                np.max(self.half_band(test)[good], initial=0.0)
+                if told.all()
+                else np.nan
+            )
             lower = after < (np.inf if np.isnan(before) else before * (1 - SMALL))
             if lower or not told.all():
                 tests.append(Surer(test, before, after))
         return tuple(sorted(tests, key=lambda each: np.nan_to_num(each.after, nan=1e9)))
+
+    def headline(self) -> Iterator[tuple[str, str]]:
+        """The band, and the test that would narrow it most."""
+        yield "band", shares_in_words(self.half_band())
+        yield "surer", "".join(each.words() for each in self.surer()[:1])
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """What the curve was computed of, the parts, the band, the tests, the doubts."""

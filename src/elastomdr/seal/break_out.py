@@ -81,7 +81,9 @@ class BreakOut(Result):
         "with errors; shear takes away up to 0.3 of the contact",
     )
     mu_high: Array = quantity(
-        "upper limit of the break-out coefficient", "-", "with errors"
+        "upper limit of the break-out coefficient",
+        "-",
+        "with errors, without growth of the contact under shear",
     )
     area_ratio: Array = quantity("real contact area over nominal area", "-", "A")
     shear_stress: Array = quantity(
