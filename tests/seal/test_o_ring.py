@@ -237,3 +237,23 @@ def test_fluid_and_groove():
     assert plain.sealing_pressure is None
     with refused("show"):
         plain.plot(show="sealing_pressure")
+
+
+def test_rings_and_rubbers_of_a_list_belong_together():
+    soft = em.Prony(4e5, [2e5], [1e-2], name="soft")
+    hard = em.Prony(3e6, [2e5], [1e-2], name="hard")
+    surface = em.SelfAffine(0.8, rms_slope=0.5, q_low=1e4, q_high=1e5)
+    flow = {"pressure_drop": 1e4, "viscosity": 1e-3, "width": 0.1}
+    ring = em.o_ring([soft, hard], 3e-3, 0.1)
+    both = em.leak([hard, soft], surface, o_ring=ring, **flow)
+    assert both.materials == ("hard", "soft")
+    for material in (soft, hard):
+        alone = em.leak(
+            material, surface, o_ring=em.o_ring(material, 3e-3, 0.1), **flow
+        )
+        found = both.select(material.name)
+        np.testing.assert_array_equal(found.rate, alone.rate)
+        np.testing.assert_array_equal(found.mean_gap, alone.mean_gap)
+    with pytest.raises(em.InputError) as refusal:
+        em.leak(soft, surface, o_ring=em.o_ring([hard, hard], 3e-3, 0.1), **flow)
+    assert refusal.value.argument == "material"

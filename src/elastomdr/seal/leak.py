@@ -63,7 +63,7 @@ from .gap_maps import MappedChannels
 from .gas import LeakGiven, check_absolute, check_gas, fluid_of
 from .leak_form import FittedChannels
 from .leak_theories import CriticalConstriction, EffectiveMedium, LeakTheory
-from .o_ring import ORing, check_rubber
+from .o_ring import ORing, ring_of
 from .pressure_profile import Profile, pressure_profile, read_along
 
 if TYPE_CHECKING:
@@ -417,7 +417,7 @@ def leak(
     `docs/seal.md`.
     """
     if o_ring is not None:
-        check_rubber(material, o_ring)
+        o_ring = ring_of(material, o_ring)
         time = _of_ring("time", time, o_ring.time)
         temperature = _of_ring("temperature", temperature, o_ring.temperature)
     solid: Any = material  # `over_materials` has taken a list apart

@@ -431,9 +431,9 @@ def _modulus(
     return law.relaxation(time / time_factor) * vertical_factor
 
 
-def check_rubber(material: object, ring: object) -> None:
-    """Raises `InputError` unless the material has the modulus that load and width of the
-    ring tell, E* = 8 W d/(pi (2a)^2).
+def ring_of(material: object, ring: object) -> ORing:
+    """The ring, of several that of this material. Raises `InputError` unless it has the
+    modulus that load and width of the ring tell, E* = 8 W d/(pi (2a)^2).
     """
     if not isinstance(ring, ORing):
         raise InputError(
@@ -445,6 +445,8 @@ def check_rubber(material: object, ring: object) -> None:
             got=material,
             accepted="the rubber of the O-ring (em.Prony, em.load_material(...))",
         )
+    if material.name in ring.materials:
+        ring = ring.select(material.name)
     law = normal_operator(material)
     try:
         modulus = np.asarray(_modulus(law, material, ring.time, ring.temperature))
@@ -469,6 +471,7 @@ def check_rubber(material: object, ring: object) -> None:
             f"{known.flat[i]:.4g} Pa at its time and temperature",
             hint=f"this one has {modulus.flat[i]:.4g} Pa",
         )
+    return ring
 
 
 def _solve(given: _Cord, young: Array, plane: Array, formula: str) -> tuple[Any, Any]:

@@ -53,7 +53,7 @@ from ..results.doubts import Doubt, carried
 from ..results.words import brief, in_unit, span
 from ..surface.shapes import Cylinder
 from .lubricated import lubricated
-from .o_ring import ORing, check_rubber
+from .o_ring import ORing, ring_of
 from .pressure_profile import Profile, pressure_profile
 from .response import bodies_of, compliance
 
@@ -383,14 +383,14 @@ def _thickness(slope: Array, steepest: int) -> Array:
 
 def _of_ring(material: Prony | None, ring: ORing | None, motion: _Motion) -> _Strokes:
     """Both strokes under an O-ring, and what it is."""
-    if not isinstance(ring, ORing) or np.size(ring.width) != 1:
+    if material is None:
+        raise InputError(argument="material", accepted="given with o_ring")
+    ring = ring_of(material, ring)
+    if np.size(ring.width) != 1:
         raise InputError(
             argument="o_ring", got=ring, accepted="a single point of em.o_ring(...)"
         )
-    if material is None:
-        raise InputError(argument="material", accepted="given with o_ring")
     pressure = float(np.ravel(ring.pressure)[0])
-    check_rubber(material, ring)
     fluid, air_side = 0.0, pressure
     source = "O-ring"
     if ring.fluid_pressure is not None and ring.sealing_pressure is not None:
