@@ -78,8 +78,9 @@ def test_maps_in_three_dimensions_are_within_the_bound(kind):
     curve = em.friction(BROAD, surface, **AT)
     other = em.friction(BROAD, gaussian(surface), **AT)
     assert abs(curve.mu - mu) <= curve.model_error
-    assert abs(np.log(curve.mu / mu)) < 0.25
-    assert abs(np.log(curve.area_ratio / area)) < 0.15
+    # waves cut at once leave ripples on flat summits, which the tops leave out
+    assert abs(np.log(curve.mu / mu)) < 0.3
+    assert abs(np.log(curve.area_ratio / area)) < 0.2
     if kind == "Gaussian":
         # chance of three longest waves a side
         assert curve.mu == pytest.approx(other.mu, rel=0.06)
@@ -109,7 +110,7 @@ def test_ratios_that_were_found_in_three_dimensions():
     rubber = em.Prony(1e6, [3e7, 3e6, 1e7], [1e-6, 1e-3, 1e-5])
     plain = em.friction(rubber, road, velocity=0.1, pressure=pressure)
     for heights, expected in found.values():
-        tops = top_slopes(heights, (1.0, 1.0), 0.05)
+        tops, _ = top_slopes(heights, (1.0, 1.0), 0.05)
         surface = dataclasses.replace(
             bent("Gaussian"), q=road.q, c=road.c, relative_error=0 * road.q, tops=tops
         )
@@ -275,12 +276,114 @@ def test_the_slopes_of_tops():
     for shape, steps in (((1,), (1.0,)), ((1, 40), (1.0, 2.0))):
         ramp = np.cumsum(np.repeat([3.0, 1.0], 1000)).reshape(-1, *shape[1:-1])
         ramp = ramp if len(shape) == 1 else ramp.reshape(-1, 1) * np.ones(shape)
-        tops = top_slopes(ramp, steps, 0.01)
+        tops, _ = top_slopes(ramp, steps, 0.01)
         assert tops[0] == 0
         np.testing.assert_allclose(tops[upper], -0.5 * np.log(5.0), atol=2e-3)
-        flat = top_slopes(np.minimum(ramp, 3000.0), steps, 0.01)
+        flat, _ = top_slopes(np.minimum(ramp, 3000.0), steps, 0.01)
         assert np.log(0.02) <= flat.min() < -3
-        coarse = top_slopes(np.square(ramp), steps, 0.5)
+        coarse, _ = top_slopes(np.square(ramp), steps, 0.5)
         few = np.exp(-(_PLACES**2)) < 0.3 * 0.5**2
         assert (coarse[few] == coarse[-1]).all()
         assert coarse[few][0] != coarse[~few][-1]
+
+
+def island_map(seed: int) -> np.ndarray:
+    """A Gaussian map of 256 points a side and 3 micrometres rms."""
+    n, rng = 256, np.random.default_rng(seed)
+    k = np.hypot(*np.meshgrid(np.fft.fftfreq(n, 1 / n), np.fft.fftfreq(n, 1 / n)))
+    amplitude = np.where((k >= 6) & (k <= 72), np.maximum(k, 1) ** -1.8, 0)
+    white = np.fft.fft2(rng.standard_normal((n, n)))
+    height = np.fft.ifft2(white * amplitude).real
+    return 3e-6 * height / height.std()
+
+
+def read(height, **given):
+    return em.read_surface(height, pixel_size=1e-6, **given)
+
+
+ON_ROAD = {"velocity": 0.1, "temperature": 293.15, "pressure": 5e5}
+TREAD = em.load_material("tread-passenger-synthetic")
+
+
+@pytest.mark.parametrize(("kind", "true"), [("low", 0.1087), ("cut", 0.0770)])
+def test_polished_maps_are_read_with_all_waves_they_have(kind, true):
+    """Seed 60, against em.HalfSpace(): waves that end at once are not a blur, and
+    friction has no jump where the spectrum ends a little earlier.
+    """
+    h = island_map(60)
+    surface = read(
+        np.where(h > 0, 0.3 * h, h) if kind == "low" else np.minimum(h, 3e-6)
+    )
+    assert surface.q_high > 50 * 2 * np.pi / 256e-6
+    assert not surface.unresolved
+    curve = em.friction(TREAD, surface, **ON_ROAD)
+    assert abs(curve.mu / true - 1) < 0.15
+    assert abs(curve.mu - true) < curve.model_error
+    ends = surface.q_high * np.geomspace(0.4, 0.9999, 12)
+    mu = [float(em.friction(TREAD, surface.ended(q), **ON_ROAD).mu) for q in ends]
+    assert np.diff(np.log([*mu, float(curve.mu)])).min() > -0.02
+    np.testing.assert_allclose(curve.mu, mu[-1], rtol=1e-3)
+
+
+def test_a_cutoff_is_found_on_a_polished_map():
+    surface = read(np.minimum(island_map(1), 0.9e-6))
+    true = 0.5 * surface.q_high
+    velocity = np.geomspace(1e-4, 0.1, 6)
+    at = {**ON_ROAD, "velocity": velocity, "temperature": np.full(6, 293.15)}
+    measured = em.friction(TREAD, surface.ended(true), **at).mu
+    fit = em.fit.calibrate(
+        TREAD,
+        surface,
+        measured=measured,
+        error=0.01 * measured,
+        parameters=("q_high",),
+        **at,
+    )
+    low, high = fit.interval("q_high")
+    assert low <= np.log10(0.5) <= high
+    assert abs(fit.residuals / measured).max() < 0.01
+
+
+def test_plateaus_are_within_a_wider_bound():
+    """Two heights, with skewness 0: em.HalfSpace() has far less friction and more
+    contact at low pressures; with adhesion more friction.
+    """
+    b = island_map(10)
+    steps = 3e-6 * np.tanh(10 * b / b.std()) + 0.05 * island_map(1)
+    surface = read(steps)
+    stiff = abs(em.half_space(BROAD).complex_modulus(np.array(surface.q_low * 1e-2)))
+    pressure = np.array([0.01, 0.1]) * float(stiff) * surface.rms_slope
+    at = {"velocity": 1e-2, "pressure": pressure}
+    curve = em.friction(BROAD, surface, **at)
+    found = em.friction(BROAD, surface, model=em.HalfSpace(), rtol=1e-2, **at)
+    assert (abs(found.mu - curve.mu) < curve.model_error + found.error).all()
+    assert [doubt.kind for doubt in curve.doubts] == ["bound"]
+    # dry, on summits that were polished flat
+    flat = read(np.minimum(island_map(20), 0.9e-6))
+    pressure = 6e5
+    for shear in (1.5, 6.0):
+        dry = em.AdhesiveShear(shear * pressure, 1e-2, 0.1)
+        at = {"velocity": 1e-2, "pressure": pressure, "adhesion": dry}
+        curve = em.friction(BROAD, flat, **at)
+        found = em.friction(BROAD, flat, model=em.HalfSpace(), rtol=1e-2, **at)
+        assert found.mu > 2 * curve.mu
+        assert curve.mu_low < found.mu < curve.mu_high
+    # Gaussian heights have none of it
+    assert read(island_map(1)).flat.max() < 0.1
+
+
+def test_waves_taken_for_unresolved_are_a_doubt():
+    q = 2 * np.pi * np.hypot(*np.meshgrid(np.fft.fftfreq(256), np.fft.rfftfreq(256)))
+    q = q.T if q.shape[0] != 256 else q
+    blur = np.exp(-0.5 * (2.0 * q) ** 2)
+    white = np.fft.rfft2(np.random.default_rng(3).standard_normal((256, 256)))
+    waves = white * blur / np.maximum(q, q[0, 1] * 2) ** 1.8
+    height = np.fft.irfft2(waves)
+    height = 3e-6 * height / height.std()
+    surface = read(height)
+    assert surface.unresolved
+    kinds = [doubt.kind for doubt in em.friction(TREAD, surface, **ON_ROAD).doubts]
+    assert "estimate" in kinds
+    for other in (read(height, shortest=8e-6), surface.ended(0.8 * surface.q_high)):
+        curve = em.friction(TREAD, other, **ON_ROAD)
+        assert "estimate" not in [doubt.kind for doubt in curve.doubts]

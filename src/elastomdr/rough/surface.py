@@ -30,7 +30,7 @@ from ..checks import (
     warn_unless,
 )
 from ..element.law import Foundation, TabulatedFoundation, surface_foundation
-from ..errors import InputError
+from ..errors import InputError, amount
 from ..material.shift import thermal_factors
 from ..material.validity import Range, misfit
 from ..models import named
@@ -73,6 +73,9 @@ _SOFTENED = "; moduli softened by the strain of each length scale"
 # benchmarks/skewed_roads.py
 _PER_TOP = {True: 0.3, False: 2.0}
 _PER_TOPS, _PER_SAMPLE = 0.1, 0.5
+# over `MeasuredSurface.flat` of the contact: of mu, and of the real contact, where
+# plateaus may be in contact as a whole
+_PER_FLAT = {False: 0.2, True: 1.5}
 # |ln(mu/mu_3D)| that a lay adds, over ln g and sqrt(-ln A): benchmarks/anisotropic.py
 _PER_LAY = 0.12
 _LAY_ERRORS = 2.0  # standard errors of a Peklenik number that a bound holds
@@ -225,6 +228,8 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
         foundation.range, outside, scene.temperature, scene.shape, answer.hottest()
     )
     marks += _too_much(scene, surface)
+    if getattr(surface, "unresolved", False) and not model.on_map(surface):
+        marks += (_unresolved(surface, scene.shape),)
     if softened is not None:
         marks += strained_beyond(softened, foundation.range, scene.shape)
     label = surface_in_words(surface)
@@ -415,6 +420,17 @@ def _judge(
         says = "; ".join([f"have {words} the friction coefficient", *reasons])
         doubts.append(Doubt(kind, points.reshape(curve.mu.shape), says))
     return tuple(doubts)
+
+
+def _unresolved(surface: AbstractSpectrum, shape: tuple[int, ...]) -> Doubt:
+    """That a surface has waves of its map left out, unasked."""
+    return Doubt(
+        "estimate",
+        np.ones(shape, dtype=bool),
+        f"are of waves longer than {amount(2 * np.pi / float(surface.q_high), 'm', 3)}: "
+        "shorter ones of the map were taken as not resolved",
+        "a `shortest` that the map resolves, or a finer map",
+    )
 
 
 def _of_shear(curve: FrictionCurve) -> Array | float:
@@ -900,8 +916,13 @@ def _between(factors: np.ndarray) -> str:
     return f"{low} times" if low == high else f"{low} to {high} times"
 
 
-def _of_tops(model: SurfaceModel, surface: AbstractSpectrum, area: Array) -> Array:
-    """Bound on |ln(mu/mu_3D)| by heights that are not Gaussian, and on that of the
+def _of_tops(
+    model: SurfaceModel,
+    surface: AbstractSpectrum,
+    area: Array,
+    of_area: bool = False,
+) -> Array:
+    """Bound on |ln(mu/mu_3D)| by heights that are not Gaussian, or on that of the
     real contact.
     """
     tops = tops_of(surface)
@@ -911,7 +932,11 @@ def _of_tops(model: SurfaceModel, surface: AbstractSpectrum, area: Array) -> Arr
     at_all = xp.sqrt(xp.mean(tops**2))
     sample = getattr(surface, "skewness_error", 0.0)
     follows = _PER_TOP[model.follows_tops]
-    return follows * at_contact + _PER_TOPS * at_all + _PER_SAMPLE * sample
+    whole = follows * at_contact + _PER_TOPS * at_all + _PER_SAMPLE * sample
+    flat = getattr(surface, "flat", None)
+    if flat is None:
+        return whole
+    return whole + _PER_FLAT[of_area] * xp.maximum(top_slope(flat, area), 0.0)
 
 
 def _of_lay(surface: AbstractSpectrum, area: Array) -> Array:
@@ -926,12 +951,12 @@ def _of_lay(surface: AbstractSpectrum, area: Array) -> Array:
 
 
 def bound_of_heights(
-    model: SurfaceModel, surface: AbstractSpectrum, area: Array
+    model: SurfaceModel, surface: AbstractSpectrum, area: Array, of_area: bool
 ) -> Array:
     """What tops and lay of a measured surface add to a relative bound, of friction or
     of the real contact.
     """
-    of_tops = _of_tops(model, surface, area)
+    of_tops = _of_tops(model, surface, area, of_area)
     return xp.expm1(of_tops) + xp.expm1(_of_lay(surface, area))
 
 
@@ -960,7 +985,7 @@ def _model_error(
     bound = model.bound(body, road, velocity, area, of_area)
     if bound is None:
         return None
-    bound = bound + bound_of_heights(model, road, area)
+    bound = bound + bound_of_heights(model, road, area, of_area)
     if not of_area:
         bound = abs(hysteresis.mu) * bound
     return answer.field(scene.shape, bound + of_strain)

@@ -273,7 +273,9 @@ def _contact(
     solved = model.solve(problem)
     bound = model.bound(one, surface, slow, solved.area, of_area=True)
     assert bound is not None  # `_KINDS` are no truths themselves
-    bound = bound + bound_of_heights(model, *stop_gradient((surface, solved.area)))
+    bound = bound + bound_of_heights(
+        model, *stop_gradient((surface, solved.area)), True
+    )
     if softened is not None:
         bound = bound + _of_strain(model, problem, softened)
     error = solved.area_error / xp.where(solved.area > 0, solved.area, 1.0)

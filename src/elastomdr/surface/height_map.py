@@ -34,6 +34,7 @@ _PLACES = np.linspace(0.0, 3.0, 21)
 # error, two of the longest waves: there chance moves the slope by some 10 %; least rms
 # slope of a top over that of all
 _FEWEST, _LEAST_SHARE, _FLATTEST = 16, 0.3, 0.02
+_NEARLY_ALL = 0.9  # share from which a part's lowest point is an outlier
 
 
 class PeriodicMap(NamedTuple):
@@ -133,17 +134,30 @@ def _on_grid(waves: np.ndarray, cells: tuple[int, int]) -> np.ndarray:
 
 def top_slopes(
     height: np.ndarray, steps: tuple[float, ...], error: float
-) -> np.ndarray:
+) -> tuple[np.ndarray, np.ndarray]:
     """The logarithm of the rms slope of the highest part of a map or profile over that
     of all of it, at the shares `_PLACES`; that of the least share that holds enough of
     the surface below it. `error` is the standard error of the skewness.
+
+    And by how much it exceeds that of the part's mean height above its lowest point,
+    over that of Gaussian heights: 0 but where summits are plateaus, whose edges have the
+    slopes.
     """
+    from scipy.special import ndtri
+
     slopes = np.reshape(np.gradient(height, *steps), (height.ndim, -1))
-    square = (slopes**2).sum(0)[np.argsort(-height, axis=None, kind="stable")]
-    mean = np.cumsum(square) / np.arange(1, square.size + 1)
+    order = np.argsort(-height, axis=None, kind="stable")
+    square, down = (slopes**2).sum(0)[order], height.ravel()[order]
     shares = np.maximum(np.exp(-(_PLACES**2)), min(_LEAST_SHARE * error**2, 1.0))
     count = np.maximum(shares * square.size, _FEWEST).astype(int)
-    return 0.5 * np.log(np.maximum(mean[count - 1] / mean[-1], _FLATTEST**2))
+    means = np.cumsum([square, down], axis=1)[:, count - 1] / count
+    log = 0.5 * np.log(np.maximum(means[0] / square.mean(), _FLATTEST**2))
+    part = count / square.size
+    level = ndtri(1 - np.minimum(part, _NEARLY_ALL))
+    usual = np.exp(-(level**2) / 2) / np.sqrt(2 * np.pi) / part - level
+    above = (means[1] - down[count - 1]) / (height.std() * usual)
+    flat = np.maximum(log - np.log(np.maximum(above, _FLATTEST)), 0.0)
+    return log, np.where(part < _NEARLY_ALL, flat, 0.0)
 
 
 def top_slope(tops: Array, area: Array) -> Any:

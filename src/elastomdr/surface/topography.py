@@ -74,6 +74,7 @@ _HOLLOW = 0.05  # share of such holes from which they are mentioned
 _PASSES = 30  # over the points of holes, at each of the sizes
 # standard errors of a skewness that its bound holds, see benchmarks/blind_maps.py
 _ERRORS = 1.5
+_FADE = 0.3  # about its end in which a spectrum's waves fade out of the tops
 _LEAST = {1: 64, 2: 16}  # points along each direction
 
 _SAME = 1e-9  # relative distance of two wave numbers that count as one
@@ -148,6 +149,7 @@ class _Limit(NamedTuple):
     q: float
     reason: str = ""
     noisy: bool = False  # whether waves beyond are noise
+    blurred: bool = False  # whether waves beyond were not resolved
 
 
 class _Part(NamedTuple):
@@ -213,6 +215,8 @@ def surface(
         report.append(joined.words)
     _warn_of_skewness(joined)
     lay, sentences = _directions(parts, fit)
+    finest = max(parts, key=lambda part: part.highest)
+    tops, flat = _tops(widest, joined.error)
     report += sentences
     report += [_NO_SHORTEST] if shortest is None else []
     return MeasuredSurface(
@@ -225,17 +229,23 @@ def surface(
         report=tuple(report),
         lay=lay,
         map=_only_map(parts, shortest is not None),
-        tops=_tops(widest, joined.error, shortest is not None),
+        tops=tops,
+        flat=flat,
+        unresolved=shortest is None and finest.limit.blurred,
     )
 
 
-def _tops(part: _Part, error: float, cut: bool) -> np.ndarray:
-    """The slopes of the tops of a scan whose skewness has a standard error: without its
-    shortest waves where `em.HalfSpace` takes it without them.
+def _tops(part: _Part, error: float) -> tuple[np.ndarray, np.ndarray]:
+    """`top_slopes` of the waves of a scan that the spectrum has, whose skewness has a
+    standard error; they fade out about its end, since a sharp one puts ripples on
+    summits that are flat.
     """
-    end = part.highest if cut or part.limit.noisy else np.inf
     height, _ = _without_outliers(part.scan.height)
-    _, height = _between(height, part.waves, 0.0, end)
+    spread = np.fft.rfftn(height)
+    past = part.waves.q.reshape(spread.shape) / part.highest - 1
+    kept = 0.5 - 0.5 * np.sin(np.pi / 2 * np.clip(past / _FADE, -1, 1))
+    axes = tuple(range(height.ndim))
+    height = np.fft.irfftn(spread * kept, s=height.shape, axes=axes)
     return top_slopes(height, part.scan.steps, error)
 
 
@@ -404,7 +414,7 @@ def _limit(waves: _Waves, scan: Scan) -> _Limit:
     nyquist = np.pi / max(scan.steps)
     q, power, number = waves.banded(waves.first, nyquist, _NODES)
     power = np.maximum(power, 1e-300)
-    resolved = _unblurred(q, power, number, waves.dimensions)
+    resolved, blurred = _unblurred(q, power, number, waves.dimensions)
     quiet = _above_noise(q, power, number, nyquist, waves.dimensions)
     default = 2 * nyquist / _STEPS
     limit = min(default, resolved, quiet)
@@ -420,14 +430,10 @@ def _limit(waves: _Waves, scan: Scan) -> _Limit:
             f"{wave} shorter waves flattens to white noise of the instrument",
             noisy=True,
         )
-    return _Limit(
-        limit,
-        (
-            f"{wave} shorter waves falls faster than that of any surface, they were "
-            "not "
-            "resolved"
-        ),
-    )
+    if not blurred:
+        return _Limit(limit, f"{wave} shorter waves ends at once")
+    words = "falls faster than that of any surface, they were not resolved"
+    return _Limit(limit, f"{wave} shorter waves {words}", blurred=True)
 
 
 def _above_noise(
@@ -454,9 +460,9 @@ def _above_noise(
 
 def _unblurred(
     q: np.ndarray, power: np.ndarray, number: np.ndarray, dimensions: int
-) -> float:
+) -> tuple[float, bool]:
     """The last wave number before the spectrum falls faster than that of any surface,
-    and does not come back.
+    and does not come back; whether a blur made it fall, not an end of the waves.
 
     A Gaussian blur lowers C by 8 to 13 % at a quarter of the wave number from which on
     C falls as q^-6. Where the spectrum ends at once, its end is taken.
@@ -464,19 +470,24 @@ def _unblurred(
     local = np.diff(np.log(power)) / np.diff(np.log(q))  # exponents from band to band
     # standard error of their differences
     chance = np.sqrt(6 / number[1:-1]) / np.log(q[1] / q[0])
-    ends = np.append(
-        False, (np.diff(local) < -_CLIFF - 3 * chance) & (local[:-1] > _STEEP)
-    )
+    drop = np.diff(local)
+    # a band may hold both the last waves and what is beyond: of it with its neighbour
+    both = np.where(drop < -_CLIFF / 2, drop + np.append(drop[1:], 0.0), 0.0)
+    steep = np.minimum(drop, both / 2) < -_CLIFF - 3 * chance
+    ends = np.append(False, steep & (local[:-1] > _STEEP))
+    steepest = _STEEP + 2 - dimensions
+    # creases of a worn surface: a blur goes on falling faster, or ends in noise
+    least = max(steepest, local.min() + 2) - 1
+    creased = least < local[-1] < _WHITE * dimensions / 2
     for i in range(q.size - 3):
         four = slice(i, i + 4)
         exponent, error = _exponent(q[four], power[four], number[four])
-        if (
-            exponent + 2 * error < _STEEP + 2 - dimensions
-            and power[i + 3 :].max() == power[i + 3]
-        ):
+        if exponent + 2 * error < steepest and power[i + 3 :].max() == power[i + 3]:
             last = i + np.flatnonzero(ends[i : i + 3])
-            return float(q[last[0]] if last.size else np.sqrt(q[i] * q[i + 3]) / 4)
-    return np.inf
+            if last.size:
+                return float(q[last[0]]), False
+            return (np.inf if creased else float(np.sqrt(q[i] * q[i + 3]) / 4)), True
+    return np.inf, False
 
 
 def _exponent(
@@ -870,6 +881,9 @@ class MeasuredSurface(AbstractSpectrum):
     changed: bool = static(default=False)  # after it was read, which begins its report
     # `top_slopes` of the heights; those of Gaussian ones are zero
     tops: Float[np.ndarray, " shares"] | None = None
+    flat: Float[np.ndarray, " shares"] | None = None
+    # whether shorter waves were left out since the data seemed blurred
+    unresolved: bool = static(default=False)
     label: ClassVar[str] = "measured surface"
 
     def ended(self, q_high: Number) -> MeasuredSurface:
@@ -906,10 +920,13 @@ class MeasuredSurface(AbstractSpectrum):
         skewness, error = self.skewness, 1.0
         if end >= 2 * waves.first:  # else too few waves to know any skewness
             skewness, error, _ = _asymmetry(scan, waves, end)
+        tops, flat = _tops(_Part(scan, waves, _Limit(end), end, ""), error)
         return dataclasses.replace(
             shortened,
             map=self.map.ended(end),
-            tops=_tops(_Part(scan, waves, _Limit(end), end, ""), error, cut=True),
+            tops=tops,
+            flat=flat,
+            unresolved=False,
             skewness=skewness,
             skewness_error=error,
         )
