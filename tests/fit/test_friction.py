@@ -226,6 +226,32 @@ def test_refusals_of_calibration(changes, said):
         em.fit.calibrate(arguments.pop("material"), arguments.pop("shape"), **arguments)
 
 
+@pytest.mark.parametrize("points", [1, 3])
+def test_fewer_points_than_parameters(points):
+    """The priors stand for what they do not decide; nothing is surer than an error that
+    no point contradicts.
+    """
+    ball, speed = em.Paraboloid(5e-3), SPEED[:points]
+    scene = {"velocity": speed, "load": 1.0, "temperature": 293.15}
+    mu = 1.2 * em.friction(RUBBER, ball, **scene).mu
+    names = ("modulus", "slope", "time", "equilibrium")
+    with pytest.warns(em.fit.FitWarning, match="assumed"):
+        found = em.fit.calibrate(
+            RUBBER, ball, measured=mu, parameters=names, draws=20, **scene
+        )
+    known = em.fit.calibrate(
+        RUBBER, ball, measured=mu, parameters=names, error=0.05 * mu.max(), **scene
+    )
+    assert found.std == pytest.approx(known.std, rel=1e-6)
+    assert found.undecided
+    assert found.draws is not None
+    assert np.isfinite(found.draws).all()
+    with refused("measured", "one point"):
+        em.fit.calibrate(
+            RUBBER, ball, measured=[], parameters=names, velocity=[], load=1.0
+        )
+
+
 ROAD = em.SelfAffine(0.8, rms_height=2e-5, q_low=1e3, q_high=8e3)
 HEAVY = {
     "velocity": SPEED[:3],

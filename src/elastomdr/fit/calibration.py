@@ -206,6 +206,7 @@ _STEPS_SMOOTH, _STEPS = (1e-3,), (0.05, 0.0125)
 _EXACTLY, _ROUGHLY = 1e-8, 1e-3
 # uncertainty of a parameter over that of its prior, and correlation of two, doubted
 _NOT_LEARNED, _CORRELATED = 0.7, 0.98
+_ASSUMED = 0.05  # error of few points, over the largest of them
 _MISFIT = 1.5  # rms of the residuals over the error given, doubted
 _HALF = 0.6745  # standard deviations within which half of all points lie
 _FAR = 3.5  # standard deviations, of all points but those, off the curve
@@ -447,7 +448,8 @@ def calibrate(
             a law that is typical of dry treads.
         quantity: "friction", or "rolling" for the resistance.
         error: standard deviation of a measurement, one number or one per point; by
-            default estimated from the residuals.
+            default estimated from the residuals, or where there are no more points
+            than parameters 5 % of the largest.
         widths: standard deviations of the priors by parameter, where none is given
             those of published shear laws (stress and width .3, velocity 1.5, energy
             .15), and else 1.
@@ -507,6 +509,13 @@ def calibrate(
         *_judge(task, names, std, solution, counted),
         *_name_far(data - solution.computed, solution, places),
     )
+    if error is None and given is not None:
+        doubted = (
+            f"Points are too few ({data.size}) to show their scatter beside "
+            f"{len(names)} parameters: an error of {_ASSUMED:.0%} of the largest is "
+            "assumed, and intervals rest on it and on the priors.",
+            *doubted,
+        )
     tell(doubted)
     return Calibration(
         material=changed,
@@ -637,17 +646,17 @@ def _draw(
 def _checked_data(
     measured: ArrayLike, error: ArrayLike | None, parameters: int
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """The measurements and their errors, where these are given. Raises `InputError`."""
+    """The measurements and their errors, where these are given, or the points too few
+    for an estimate. Raises `InputError`.
+    """
     data = np.asarray(as_float64("measured", measured))
     require("measured", data, "finite", np.isfinite)
-    if data.size < parameters:
-        raise InputError(
-            argument="measured",
-            got=int(data.size),
-            accepted=f"{parameters} points or more, as many as there are parameters",
-        )
+    if not data.size:
+        raise InputError(argument="measured", accepted="one point or more")
     if error is None:
-        return data, None
+        if data.size > parameters:
+            return data, None
+        error = _ASSUMED * np.abs(data).max()
     given = np.broadcast_to(as_float64("error", error), data.shape)
     positive("error", given)
     return data, given
@@ -700,7 +709,7 @@ class _Task(NamedTuple):
                 accepted=f"of the shape of what is computed, {first.shape}",
             )
         missing = int((~np.isfinite(first)).sum())
-        if first.size - missing < self.begin.size:
+        if missing == first.size:
             raise InputError(
                 argument="parameters",
                 got=self.begin.tolist(),
@@ -710,7 +719,7 @@ class _Task(NamedTuple):
         return first
 
     def guessed_error(self) -> np.ndarray:
-        size = 0.05 * max(float(np.abs(self.data).max()), 1e-12)
+        size = _ASSUMED * max(float(np.abs(self.data).max()), 1e-12)
         return np.full(self.data.shape, size)
 
     def likelihood(self, p: np.ndarray, solution: _Solution) -> float:
