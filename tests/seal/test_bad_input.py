@@ -191,3 +191,19 @@ def test_a_profile_with_holes_is_refused():
             stroke=0.1,
             viscosity=0.1,
         )
+
+
+@pytest.mark.parametrize("verb", [em.leak, em.break_out])
+def test_a_table_has_no_modulus_at_rest(verb):
+    omega = np.geomspace(1.0, 1e6, 30)
+    table = em.TabulatedModulus(omega, 1e6 + 0 * omega, 1e5 + 0 * omega)
+    surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=1e4)
+    more = (
+        {"boundary_shear": 1e5}
+        if verb is em.break_out
+        else {"pressure_drop": 1e4, "viscosity": 1e-3, "length": 1e-3, "width": 0.1}
+    )
+    with pytest.raises(em.InputError) as refusal:
+        verb(table, surface, pressure=1e6, **more)
+    assert refusal.value.argument == "material"
+    assert "at rest" in str(refusal.value.accepted)

@@ -20,6 +20,7 @@ from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer
 from ..errors import InputError
 from ..material.shift import thermal_factors
+from ..material.tabulated import needs_series
 from ..results.doubts import Doubt
 from ..surface.spectrum import AbstractSpectrum
 from .adhesion import AdhesiveShear
@@ -54,6 +55,8 @@ class RoughCall:
 
 def resting_body(material: Material, time: ArrayLike | None) -> Foundation:
     """The half-space of rubber that rests on a rough surface. Raises `InputError`."""
+    at_rest = "rubber at rest, whose modulus no table of frequencies holds"
+    needs_series("material", material, at_rest)
     foundation = None if isinstance(material, Layer) else as_foundation(material)
     if foundation is None or foundation.per_area:
         raise InputError(
