@@ -53,6 +53,16 @@ def test_one_table_in_several_units(tmp_path, titles, velocity, temperature, joi
     assert found.pressure is found.error is None
 
 
+@pytest.mark.parametrize(
+    "title",
+    ["err", "sd", "uncertainty", "error mu", "mu_err", "Fehler", "±", "u_mu", "std"],
+)
+def test_titles_of_errors(title, tmp_path):
+    path = tmp_path / "rig.csv"
+    path.write_text(f"velocity [mm/s],mu,{title}\n1,0.5,0.01\n2,0.6,0.02\n")
+    np.testing.assert_array_equal(em.read_friction(path).error, [0.01, 0.02])
+
+
 def test_pressure_errors_and_what_the_user_adds(tmp_path):
     file = write(
         tmp_path,

@@ -60,8 +60,10 @@ _FRICTION = (
         "error",
         "ratio",
         (
-            r"error|std|sigma|standard deviation|"
-            r"(error|std|standard deviation) of (mu|friction)|mu (error|std)",
+            r"err(or)?|std|sd|sigma|±|\+/-|fehler|unsicherheit|uncertainty|"
+            r"standard deviation|standardabweichung|u[ _](mu|µ|μ)|"
+            r"(err(or)?|std|sd|standard deviation|uncertainty) (of )?(mu|friction)|"
+            r"mu (err(or)?|std|sd|uncertainty)",
         ),
     ),
 )
