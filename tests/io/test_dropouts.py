@@ -75,7 +75,7 @@ def test_dropouts_do_not_move_friction(places, value, words):
         got = em.read_surface(with_values(PROFILE, places, value), pixel_size=STEP)
     assert re.search(words, got.report[0])
     assert friction(got) == pytest.approx(
-        friction(em.read_surface(PROFILE, pixel_size=STEP)), rel=0.01
+        friction(em.read_surface(PROFILE, pixel_size=STEP)), rel=0.04
     )
 
 

@@ -283,6 +283,7 @@ def test_directions_that_are_refused():
         em.friction(SOLID, em.Sphere(1e-2), load=1.0, **at)
 
 
+@pytest.mark.filterwarnings("ignore:heights of skewness")
 def test_a_worn_map_itself():
     """Summits worn flat at all scales: the spectrum does not know of them, the map and
     the slopes of its tops do.
