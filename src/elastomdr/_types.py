@@ -1,6 +1,4 @@
-"""The types of arguments, for editors and type checkers only: other modules import them
-under `TYPE_CHECKING`.
-"""
+"""The types of arguments: for editors, type checkers and the tables of scenes."""
 
 from __future__ import annotations
 
@@ -44,6 +42,12 @@ Motion: TypeAlias = Literal["friction", "rolling"]
 Response: TypeAlias = Literal["relaxation", "creep", "storage"]
 LawName: TypeAlias = Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"]
 Style: TypeAlias = Literal["paper"]  # of a figure
+# of several temperatures at which friction and conduction agree
+Branch: TypeAlias = Literal["cold", "hot"]
+# what typical values are known of: of heat, and of a shear law
+Rubber: TypeAlias = Literal["filled rubber"]
+Road: TypeAlias = Literal["asphalt", "concrete", "glass", "steel"]
+Dry: TypeAlias = Literal["rubber on a road"]
 
 
 class Frame(Protocol):

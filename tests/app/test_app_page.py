@@ -849,7 +849,7 @@ def test_what_dominates_comes_first():
     *_, sure, surer = cards(sheared(), sheared().uncertainty())
     assert sure.number.startswith("±")  # by the limits of mu
     assert mentions(sure.notes, "model", "limits of mu")
-    assert mentions(surer.notes, "measured friction")
+    assert mentions(surer.notes, "scan of the road")  # friction narrows it by less
 
 
 def test_cards_and_readings_of_draws_are_of_their_median(tmp_path):

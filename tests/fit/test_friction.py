@@ -446,6 +446,27 @@ def test_parameters_that_do_not_describe_the_data():
     assert any(said.startswith("q_high went") for said in found.warnings)
 
 
+def test_a_trend_that_no_parameter_follows_is_said():
+    """Dry friction by the cutoff alone, no error given; and what has one is quiet."""
+    law = em.AdhesiveShear(4.5e6, 2e-3, 0.14)
+    at = {"velocity": np.geomspace(1e-3, 0.1, 5), "pressure": 3e5}
+    rubber = TREAD.at(293.15)
+    dry, wet = (
+        em.friction(rubber, GROUND.ended(5e4), adhesion=shear, **at).mu
+        for shear in (law, None)
+    )
+    with pytest.warns(em.fit.FitWarning, match="follow the velocity"):
+        em.fit.calibrate(rubber, GROUND, measured=dry, parameters=["q_high"], **at)
+    noisy = wet * (1 + 0.03 * np.random.default_rng(0).normal(size=wet.shape))
+    found = em.fit.calibrate(
+        rubber, GROUND, measured=noisy, parameters=["q_high"], **at
+    )
+    assert found.warnings == ()
+    curve = em.friction(rubber, found.shape, **at)
+    assert {d.kind for d in found.doubts} == {d.kind for d in curve.doubts} != set()
+    assert "doubts" in found.summary()
+
+
 def test_points_far_off_and_the_table(tmp_path):
     _, mu, size = drawn_rig(3)
     mu[3] *= 1.5

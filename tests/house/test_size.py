@@ -19,7 +19,7 @@ SOURCE = Path(em.__file__).parent
 ROOMS = {
     "transient": 68,
     "rough": 61,
-    "fit": 67,
+    "fit": 68,
     "smooth": 48,
     "seal": 41,
     "results": 40,
@@ -30,7 +30,7 @@ ROOMS = {
     "material": 18,
     "sweeps": 16,
     "element": 20,
-    "ground": 13,
+    "ground": 14,
     "tyre": 11,
     "reference": 9,
     "belt": 9,

@@ -11,10 +11,11 @@ import pytest
 from scipy.integrate import quad
 
 import elastomdr as em
+from elastomdr._types import Road
 from elastomdr.cli.main import main
 from elastomdr.element.law import surface_foundation
 from elastomdr.material.shift import thermal_factors
-from elastomdr.rough.heat import HIGHEST, TYPICAL, Road, highest_rise
+from elastomdr.rough.heat import HIGHEST, TYPICAL, highest_rise
 from elastomdr.trees import same
 
 from ..refused import mentions, refused

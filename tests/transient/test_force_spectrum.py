@@ -30,6 +30,7 @@ def motion(force=FORCE, time=TIME):
         mu=0.1 + 0 * force,
         model_error=0 * force,
         converged=force == force,
+        marks=(),
     )
 
 

@@ -11,9 +11,8 @@ import msgspec
 
 import elastomdr as em
 
+from .._types import Branch, Dry, Road, Rubber
 from ..errors import InputError, amount
-from ..rough.adhesion import Dry
-from ..rough.heat import Branch, Road, Rubber
 from .schema import (
     Arguments,
     Count,

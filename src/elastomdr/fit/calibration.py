@@ -36,6 +36,7 @@ from ..material.prony import Prony
 from ..material.shift import WLF, Arrhenius
 from ..material.tabulated import needs_series
 from ..results.axes import Label
+from ..results.doubts import Doubt, counted_kinds
 from ..rough.adhesion import AdhesiveShear
 from ..surface.spectrum import AbstractSpectrum
 from ..trees import replaced
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
 
     from .._types import ArrayLike, Motion, Style
     from ..call.types import Indenter, Surface
+    from ..results.curve import FrictionCurve, RollingCurve
 
 # --------------------------------------------------------------------------------------
 # What a calibration may adjust: parameters of a material, of a surface, of a shear law,
@@ -209,6 +211,8 @@ _NOT_LEARNED, _CORRELATED = 0.7, 0.98
 _ASSUMED = 0.05  # error of few points, over the largest of them
 _MISFIT = 1.5  # rms of the residuals over the error given, doubted
 _HALF = 0.6745  # standard deviations within which half of all points lie
+_LEAST_STEPS = 3  # between points of one temperature, by which chance is told
+_LARGE = 0.1  # residuals over what was measured, both rms, that follow no chance
 _FAR = 3.5  # standard deviations, of all points but those, off the curve
 _NAMED = 3  # points far off that are named, the farthest
 _DEGREES = 5.0  # of freedom of the distribution from which draws are proposed
@@ -249,6 +253,7 @@ class Calibration(AbstractWithTable):
     evaluations: int
     warnings: tuple[str, ...]
     converged: bool
+    doubts: tuple[Doubt, ...]  # of the curve that was computed
 
     @property
     def weakest(self) -> tuple[dict[str, float], float]:
@@ -362,6 +367,8 @@ class Calibration(AbstractWithTable):
                 f"residuals {left.mean():+.2g} on average, "
                 f"{float(np.sqrt(np.mean(left**2))):.2g} rms of {left.size} points",
             )
+        if doubted := counted_kinds(self.doubts):
+            yield "doubts", f"{doubted} of the computed; intervals hold no model_error"
         for warning in self.warnings:
             yield "warning", warning
 
@@ -487,8 +494,9 @@ def calibrate(
     if isinstance(shape, AbstractSpectrum):
         width_of = dict(zip(names, spread, strict=True))
         scene["model"] = _road_model(shape, scene, width_of)
+    verb = _quietly(quantity)
     task = _Task(
-        _computer(material, shape, quantity, names, scene, data.shape),
+        _computer(material, shape, verb, names, scene, data.shape),
         np.array(list(start.values())),
         spread,
         data,
@@ -505,10 +513,13 @@ def calibrate(
         for name in ("velocity", "temperature")
         if scene.get(name) is not None
     }
+    residuals = data - solution.computed
     doubted = (
         *_judge(task, names, std, solution, counted),
-        *_name_far(data - solution.computed, solution, places),
+        *_name_far(residuals, solution, places),
     )
+    if given is None:
+        doubted += tuple(_name_trend(residuals, data, solution.used, places))
     if error is None and given is not None:
         doubted = (
             f"Points are too few ({data.size}) to show their scatter beside "
@@ -530,12 +541,13 @@ def calibrate(
         covariance=solution.covariance,
         measured=data,
         computed=solution.computed,
-        residuals=data - solution.computed,
+        residuals=residuals,
         used=solution.used,
         error=float(np.sqrt(np.mean(solution.sigma**2))),
         evaluations=solution.evaluations,
         warnings=doubted,
         converged=solution.converged,
+        doubts=verb(changed, shape, **scene).doubts,
     )
 
 
@@ -588,6 +600,30 @@ def _judge(
                 f"{names[j]} and {names[i]} cannot be separated (correlation "
                 f"{correlation[i, j]:.3f})."
             )
+
+
+def _name_trend(
+    residuals: np.ndarray,
+    data: np.ndarray,
+    used: np.ndarray,
+    places: Mapping[str, np.ndarray],
+) -> Iterator[str]:
+    """Residuals that are large and change slowly with velocity: successive differences
+    of chance have twice the mean square of its values (von Neumann 1941).
+    """
+    warmth = places.get("temperature", np.zeros(data.shape))[used]
+    order = np.lexsort((places["velocity"][used], warmth))
+    left, size = residuals[used][order], np.mean(data[used] ** 2)
+    steps = np.diff(left)[np.diff(warmth[order]) == 0]
+    square = np.mean(left**2)
+    if steps.size < _LEAST_STEPS or square < _LARGE**2 * size:
+        return
+    if np.mean(steps**2) < square:
+        yield (
+            f"Residuals are {np.sqrt(square / size):.0%} of what was measured and follow "
+            "the velocity: these parameters do not describe the data, and their "
+            "intervals mean nothing."
+        )
 
 
 def _name_far(
@@ -822,10 +858,19 @@ def _start(
     return start
 
 
+def _quietly(quantity: Motion) -> Callable[..., FrictionCurve | RollingCurve]:
+    """The verb, without its warnings."""
+    from ..verbs.friction import friction
+    from ..verbs.rolling import rolling
+
+    verb = friction if quantity == "friction" else rolling
+    return quiet(ConvergenceWarning, ExtrapolationWarning, ModelWarning)(verb)
+
+
 def _computer(
     material: Prony,
     shape: Indenter | Surface,
-    quantity: Motion,
+    verb: Callable[..., FrictionCurve | RollingCurve],
     names: list[str],
     scene: Mapping[str, Any],
     size: tuple[int, ...],
@@ -833,9 +878,6 @@ def _computer(
     """What is computed from parameters, of the shape `size`, NaN where a surface has no
     waves left; what was computed last is kept.
     """
-    from ..verbs.friction import friction
-    from ..verbs.rolling import rolling
-
     last: dict[bytes, np.ndarray] = {}
     lowest = -np.inf
     if "q_high" in names and isinstance(shape, AbstractSpectrum):
@@ -846,11 +888,8 @@ def _computer(
         if values.get("q_high", 0.0) < lowest:
             return np.full(size, np.nan)
         body, form, rest = applied(material, shape, scene, values)
-        with quiet(ConvergenceWarning, ExtrapolationWarning, ModelWarning):
-            if quantity == "friction":
-                result = friction(body, form, **rest).mu
-            else:
-                result = rolling(body, form, **rest).coefficient
+        curve = verb(body, form, **rest)
+        result = getattr(curve, curve.shows)
         return np.asarray(result) * 10.0 ** values.get("gain", 0.0)
 
     def kept(p: np.ndarray) -> np.ndarray:

@@ -16,10 +16,11 @@ Source: B. Lorenz, Y. R. Oh, S. K. Nam, S. H. Jeon and B. N. J. Persson, J. Chem
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Literal, NamedTuple, get_args
+from typing import TYPE_CHECKING, NamedTuple, get_args
 
 import numpy as np
 
+from .._types import Dry
 from ..arrays import is_traced, xp
 from ..call.extrapolation import sheared_too_hard, under_smooth
 from ..checks import (
@@ -62,7 +63,6 @@ _SKEWED = 0.2  # of 1 - b/a: against 56 contacts in three dimensions (docs/accur
 # relative error of an area of 64 by 64 cells about the contact, its border corrected
 _STAIRCASE = 0.01
 _ADDED = "; adhesive shear on the {area}"
-Dry = Literal["rubber on a road"]  # what a typical law is known of
 
 
 # stress [Pa], velocity [m/s] ("some mm/s") and width

@@ -10,10 +10,11 @@ a point warms it, in the steady state, by exp(-w (r + r cos phi))/(2 pi lambda r
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
 
+from .._types import Branch, Road, Rubber
 from ..checks import (
     as_float64,
     as_number,
@@ -37,12 +38,7 @@ if TYPE_CHECKING:
     from ..checks import Array
 
 HIGHEST = 1000.0  # largest rise that is looked for [K]
-# of several temperatures at which friction and conduction agree
-Branch = Literal["cold", "hot"]
 NO_STATE = "no steady state"  # a row of results
-# what typical values are known of
-Rubber = Literal["filled rubber"]
-Road = Literal["asphalt", "concrete", "glass", "steel"]
 
 
 class Typical(NamedTuple):

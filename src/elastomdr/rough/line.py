@@ -26,7 +26,7 @@ from .ensemble import (
     coarse_at,
     mean_of_lines,
 )
-from .heat import NO_STATE, Branch, Heat, why_no_state
+from .heat import NO_STATE, Heat, why_no_state
 from .line_problem import RoughScene, check, factor, load_level, missed
 from .local_modulus import Local
 from .periodic import Job, SolvedLine, solve_lines
@@ -42,6 +42,7 @@ from .surface import (
 from .temperature_by_scale import Problem, Warm, warmed
 
 if TYPE_CHECKING:
+    from .._types import Branch
     from ..call.types import Surface
     from ..checks import Array
 

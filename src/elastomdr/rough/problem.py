@@ -24,13 +24,13 @@ from ..material.tabulated import needs_series
 from ..results.doubts import Doubt
 from ..surface.spectrum import AbstractSpectrum
 from .adhesion import AdhesiveShear
-from .heat import Branch, Heat
+from .heat import Heat
 from .local_modulus import SoftenedByScale
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from .._types import ArrayLike, Number
+    from .._types import ArrayLike, Branch, Number
     from ..arrays import Array
     from ..call.types import Material, SteadyBody, Surface
     from ..material.validity import Range

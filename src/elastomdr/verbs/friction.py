@@ -21,7 +21,7 @@ from ..results.base import Assumed, Change
 from ..results.curve import AbstractCurve, FrictionCurve
 from ..results.words import in_words
 from ..rough.adhesion import AdhesiveShear, check_adhesion, on_contact
-from ..rough.heat import Branch, Heat
+from ..rough.heat import Heat
 from ..rough.problem import RoughCall
 from ..rough.road_model import SurfaceModel
 from ..smooth.on_layer import is_on_layer
@@ -34,7 +34,7 @@ from .roads import KINDS, cells_of_body, friction_by, hint_at_line, of_rough
 from .steady import in_64_bits_where, steady_contact
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Number
+    from .._types import ArrayLike, Branch, Number
     from ..call.types import Indenter, Materials, ModelLike, Surface
     from ..results.plot_contacts import SteadyElements
 
