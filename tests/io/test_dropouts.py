@@ -74,8 +74,10 @@ def test_dropouts_do_not_move_friction(places, value, words):
     with pytest.warns(FitWarning, match=words):
         got = em.read_surface(with_values(PROFILE, places, value), pixel_size=STEP)
     assert re.search(words, got.report[0])
+    # a bridge of 40 points changes the slopes of the tops
+    within = 0.04 if places == slice(100, 140) else 0.01
     assert friction(got) == pytest.approx(
-        friction(em.read_surface(PROFILE, pixel_size=STEP)), rel=0.04
+        friction(em.read_surface(PROFILE, pixel_size=STEP)), rel=within
     )
 
 

@@ -271,7 +271,6 @@ def test_random_scenes_converge_or_say_so():
         ({"temperature": 300.0}, ("", "shift law")),
         ({"model": "lines"}, ("model", "'line'")),
         ({"model": "averaged"}, ("model", "use")),
-        ({"model": em.Line(samples=3)}, ("samples",)),
         (
             {"model": em.Persson(), "pressure": None, "load": 1.0},
             ("model", "em.Line"),
