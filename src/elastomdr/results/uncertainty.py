@@ -213,15 +213,20 @@ class Uncertainty(AbstractPoints):
         return tuple(sorted(tests, key=lambda each: np.nan_to_num(each.after, nan=1e9)))
 
     def headline(self) -> Iterator[tuple[str, str]]:
-        """The band, and the test that would narrow it most."""
-        yield "band", shares_in_words(self.half_band())
+        """The band with what is not in it, and the test that would narrow it most."""
+        left_out = [part.source for part in self if np.isnan(part.share).any()]
+        known = shares_in_words(self.half_band())
+        yield (
+            "band",
+            f"{known}, without {' and '.join(left_out)}" if left_out else known,
+        )
         yield "surer", "".join(each.words() for each in self.surer()[:1])
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """What the curve was computed of, the parts, the band, the tests, the doubts."""
         yield from self.inputs
         yield from ((f"part, {part.source}", part.words()) for part in self)
-        yield "band", shares_in_words(self.half_band())
+        yield next(self.headline())
         yield from (("surer", each.words()) for each in self.surer())
         yield from ((doubt.kind, doubt.words()) for doubt in self.doubts)
 

@@ -575,9 +575,8 @@ def _with_slopes(
     """
 
     def numbers(shared: RoadShared, points: RoadPoints) -> tuple[Any, ...]:
-        return friction(model, put_together(shared, points, rtol))[
-            :5
-        ]  # but for what is said
+        solved = friction(model, put_together(shared, points, rtol))
+        return solved[:5]  # its arrays, without what is said
 
     def integrals(shared: RoadShared, points: RoadPoints) -> tuple[Any, Any]:
         local = put_together(shared, points, rtol).local
