@@ -209,6 +209,9 @@ _EXACTLY, _ROUGHLY = 1e-8, 1e-3
 # uncertainty of a parameter over that of its prior, and correlation of two, doubted
 _NOT_LEARNED, _CORRELATED = 0.7, 0.98
 _ASSUMED = 0.05  # error of few points, over the largest of them
+# error over the coefficient, no measurement being surer: the best class of machines by
+# ISO 7500-1 has its force to 0.5 %, and specimens differ by more
+_SUREST = 1e-3
 _MISFIT = 1.5  # rms of the residuals over the error given, doubted
 _HALF = 0.6745  # standard deviations within which half of all points lie
 _LEAST_STEPS = 3  # between points of one temperature, by which chance is estimated
@@ -249,7 +252,8 @@ class Calibration(AbstractWithTable):
     residuals: Float[np.ndarray, "..."]  # measured minus computed
     # False where the contact did not converge: such a point counts for nothing
     used: Bool[np.ndarray, "..."]
-    error: float  # standard deviation of the measurement, given or estimated
+    error: float  # standard deviation of the measurement
+    scatter: str  # where that comes from, and whether it follows the coefficient
     evaluations: int
     warnings: tuple[str, ...]
     converged: bool
@@ -356,8 +360,8 @@ class Calibration(AbstractWithTable):
         yield (
             "residuals",
             (
-                f"{rms:.3g} rms, error of a measurement {self.error:.3g}, "
-                f"{self.evaluations} evaluations"
+                f"{rms:.3g} rms, error of a measurement {self.error:.3g} "
+                f"({self.scatter}), {self.evaluations} evaluations"
             ),
         )
         for label, here in self._by_temperature():
@@ -454,9 +458,10 @@ def calibrate(
             velocity, width and, with several temperatures, energy of `adhesion`, or of
             a law that is typical of dry treads.
         quantity: "friction", or "rolling" for the resistance.
-        error: standard deviation of a measurement, one number or one per point; by
-            default estimated from the residuals, or where there are no more points
-            than parameters 5 % of the largest.
+        error: standard deviation of a measurement, one number or one per point, at
+            least 0.1 % of it; by default estimated from the residuals, the same at all
+            points or in proportion to what is computed, whichever they suit better, or
+            where there are no more points than parameters 5 % of the largest.
         widths: standard deviations of the priors by parameter, where none is given
             those of published shear laws (stress and width .3, velocity 1.5, energy
             .15), and else 1.
@@ -520,6 +525,13 @@ def calibrate(
     )
     if given is None:
         doubted += tuple(_name_trend(residuals, data, solution.used, places))
+    size = np.sqrt(np.mean(residuals[solution.used] ** 2)) if given is None else given
+    if sure := int((size < _SUREST * np.abs(data)).sum()):
+        doubted += (
+            f"{sure} of {data.size} points are surer than {_SUREST:.1%} of the "
+            "coefficient, as computed ones are and no measurement is: that is taken as "
+            "their error.",
+        )
     if error is None and given is not None:
         doubted = (
             f"Points are too few ({data.size}) to show their scatter beside "
@@ -544,6 +556,7 @@ def calibrate(
         residuals=residuals,
         used=solution.used,
         error=float(np.sqrt(np.mean(solution.sigma**2))),
+        scatter="given" if error is not None else solution.scatter,
         evaluations=solution.evaluations,
         warnings=doubted,
         converged=solution.converged,
@@ -767,16 +780,23 @@ class _Task(NamedTuple):
             return -np.inf
         square = (((self.data[used] - computed) / solution.sigma[used]) ** 2).sum()
         fit = -0.5 * square
-        if self.error is None:
+        if solution.estimated:
             fit = -0.5 * computed.size * np.log(square)
         return float(fit - 0.5 * (((p - self.begin) / self.spread) ** 2).sum())
 
-    def scatter(self, computed: np.ndarray, used: np.ndarray) -> np.ndarray:
-        """The error of the data, from what is left of them."""
-        left = (self.data - computed)[used]
+    def scatter(
+        self, computed: np.ndarray, used: np.ndarray, follows: bool
+    ) -> np.ndarray:
+        """The error of the data, from what is left of them: the same at all points, or
+        one that follows what is computed.
+        """
+        shape = np.ones(self.data.shape)
+        if follows:
+            size = np.where(used, np.abs(computed), 0.0)
+            shape = np.maximum(size, 1e-3 * size.max())
+        left = ((self.data - computed) / shape)[used]
         freedom = max(left.size - self.begin.size, 1)
-        size = max(np.sqrt((left**2).sum() / freedom), 1e-9)
-        return np.full(self.data.shape, size)
+        return shape * max(np.sqrt((left**2).sum() / freedom), 1e-12)
 
 
 class _Solution(NamedTuple):
@@ -785,35 +805,61 @@ class _Solution(NamedTuple):
     covariance: np.ndarray
     used: np.ndarray
     sigma: np.ndarray  # standard deviation of the data
+    estimated: bool  # whether that is what the residuals say
+    scatter: str  # which, in words
     evaluations: int
     converged: bool
 
 
 def _solve(task: _Task) -> _Solution:
-    """Least squares, repeated with the error that is left where none is given. Raises
-    `InputError`.
+    """Least squares; where no error is given with the same at all points, with one that
+    follows the coefficient, and with the likelier of the two. Raises `InputError`.
     """
     used = np.isfinite(task.first())
-    sigma = task.guessed_error() if task.error is None else task.error
+    surest = np.maximum(_SUREST * np.abs(task.data), 1e-9)
+    raw = task.guessed_error() if task.error is None else task.error
     point, evaluations, converged = task.begin, 0, False
-    for _ in range(3 if task.error is None else 1):
+    computed, found = task.compute(point), []
+    for follows in (False, True, None) if task.error is None else (None,):
+        if follows:
+            raw = task.scatter(computed, used, follows)
+        elif found:
+            raw = min(found, key=lambda sigma: np.log(sigma[used]).mean())
         for step in task.steps:
+            sigma = np.maximum(raw, surest)
             answer = _search(task, step, point, used, sigma)
             point, evaluations = answer.x, evaluations + int(answer.nfev)
             converged = bool(answer.success)
         computed = task.compute(point)
         used = used & np.isfinite(computed)
-        if task.error is None:
-            sigma = task.scatter(computed, used)
+        if follows is not None:
+            found.append(task.scatter(computed, used, follows))
+    scatter = "assumed"
+    if task.error is None:
+        follows = raw is found[1]
+        raw = task.scatter(computed, used, follows)
+        share = "a share of the coefficient" if follows else "the same everywhere"
+        scatter = f"from the residuals, {share}"
+    sigma = np.maximum(raw, surest)
+    estimated = task.error is None and bool((raw > surest).any())
     # An error that is estimated from few points is itself uncertain: Student's t in
     # place of 1.96.
     freedom = max(int(used.sum()) - point.size, 1)
-    wider = float(stdtrit(freedom, 0.975)) / TWO_SIGMA if task.error is None else 1.0
+    wider = float(stdtrit(freedom, 0.975)) / TWO_SIGMA if estimated else 1.0
     matrix = task.jacobian(point, task.steps[0])[used]
     matrix = matrix / (wider * sigma[used][:, None])
     covariance = np.linalg.inv(matrix.T @ matrix + np.diag(task.spread**-2.0))
-    computed = task.compute(point)
-    return _Solution(point, computed, covariance, used, sigma, evaluations, converged)
+    return _Solution(
+        point,
+        computed,
+        covariance,
+        used,
+        sigma,
+        estimated,
+        scatter,
+        evaluations,
+        converged,
+    )
 
 
 def _start(
