@@ -12,8 +12,6 @@ import elastomdr as em
 from elastomdr.checks import numpy_unless_traced
 from elastomdr.element.episode import recovery_modes
 
-# an instant may lie between the pull-offs of the finer and the coarser march
-pytestmark = pytest.mark.filterwarnings("ignore:.*comes off too near")
 RELAXED, RADIUS, WORK = 1e6, 1e-2, 0.05  # Pa, m, J/m^2
 BALL = em.Paraboloid(RADIUS)
 ELASTIC = em.Foundation(RELAXED, [], [])
@@ -365,6 +363,56 @@ def test_bound_of_a_load_that_does_not_pull_off():
     assert np.isnan(found.pull_off.force)
     assert np.isnan(found.loop_energy)
     assert (found.model_error == 0.1).all()
+    (doubt,) = found.doubts
+    assert doubt.kind == "estimate"
+    assert "pull_off" in doubt.says
+    assert np.flatnonzero(doubt.points).tolist() == [load.size - 1]
+
+
+@pytest.mark.parametrize("law", [ELASTIC, RUBBER], ids=["elastic", "rubber"])
+def test_only_histories_that_end_in_contact_have_no_pull_off(law):
+    stays, parts, never = (6, 6), (6, -12), (-1, -1)
+    ends = np.array([stays, parts, never]) * SCALE
+    found = em.indent(
+        law,
+        BALL,
+        time=[0.0, 6.0, 24.0],
+        depth=np.column_stack([np.minimum(ends[:, 0], 0), ends]),
+        adhesion=CUTOFF,
+    )
+    assert found.converged.all()
+    assert np.isfinite(found.loop_energy).tolist() == [False, True, False]
+    assert (found.force[2] == 0).all()
+    (doubt,) = (d for d in found.doubts if "pull_off" in d.says)
+    assert np.argwhere(doubt.points).tolist() == [[0, 2]]
+
+
+@pytest.mark.filterwarnings("ignore:.*comes off too near")  # of the closer instants
+@pytest.mark.parametrize("top", [1, 3, 5, 10])
+def test_steps_are_as_short_as_meeting_and_parting_ask_for(top):
+    """Errors of 0.032 to 0.11 at the first instant and at the last in contact."""
+    ends = [0, 50, 150], np.array([0, top, -min(3, top)]) * SCALE
+
+    def pulled(instants):
+        time = np.linspace(0, 150, instants)
+        depth = np.interp(time, *ends)
+        return em.indent(RUBBER, BALL, time=time, depth=depth, adhesion=CUTOFF)
+
+    found = pulled(401)
+    assert found.converged.all()
+    if top == 3:
+        closer = pulled(1201).force[::3]
+        same = (found.force != 0) & (closer != 0)
+        assert np.nanmax(abs(found.force - closer)[same]) <= 0.03 * found.force.max()
+
+
+def test_a_compiled_cycle_needs_no_64_bit_types_of_the_caller():
+    def pulled(work):
+        return cycle(ELASTIC, low=-2 * SCALE, adhesion=work)
+
+    found = jax.jit(pulled)(WORK)
+    assert np.isclose(found.pull_off.force, -1.308997e-3, rtol=1e-6)
+    assert np.isclose(found.loop_energy, 1.036885e-8, rtol=1e-4)
 
 
 def test_springs_of_an_elastic_rubber_stick():

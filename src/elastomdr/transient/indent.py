@@ -38,7 +38,7 @@ from ..results.doubts import Doubt
 from ..results.words import brief, describe, in_words
 from ..surface.disc import Disc
 from ..surface.shapes import AbstractShape, Cylinder, Paraboloid, PowerLaw, Sphere
-from .adhesive_contact import Adhesion
+from .adhesive_contact import Adhesion, AdhesiveEdge
 from .age import edge_beyond, history_beyond
 from .history_result import AbstractHistory
 from .indentation_route import DepthOrLoad, Indented, indent_under
@@ -310,6 +310,8 @@ def indent(
         bound = _bound_on_edge(law, disc, bonds, solution)
         if fast is not None:
             bound = bound._replace(size=np.where(fast, np.nan, bound.size))
+    if edge is not None:
+        beyond += (_without_end(edge, solution.radius),)
 
     def known(field: Array) -> Any:
         return nan_unless(shown, field)
@@ -594,6 +596,19 @@ def _beyond_table(bonds: Adhesion, solution: Indented) -> tuple[Doubt, ...]:
     doubt = Doubt("extrapolated", fast, says, "factors at those speeds")
     warn_of(doubt)
     return (doubt,)
+
+
+def _without_end(edge: AdhesiveEdge, radius: Array) -> Doubt:
+    """The last instants of histories of which the energy of the loop is not known."""
+    last = np.arange(radius.shape[-1]) == radius.shape[-1] - 1
+    met = xp.isfinite(edge.jump_in.time)
+    return Doubt(
+        "estimate",
+        last & (met & xp.isnan(edge.loop))[..., None],
+        "end a history without `loop_energy`: it ends in contact, so that there is no "
+        "`pull_off`, or its steps are too long",
+        "a history that pulls the body off, at more instants",
+    )
 
 
 def _check(

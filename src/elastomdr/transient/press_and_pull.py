@@ -29,7 +29,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import stop_gradient, tree_map, xp
-from ..checks import Array, is_traced, nan_unless, numbers_only, numpy_unless_traced
+from ..checks import (
+    Array,
+    argmax,
+    is_traced,
+    nan_unless,
+    numbers_only,
+    numpy_unless_traced,
+)
 from ..element.episode import Modes
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1
@@ -55,6 +62,7 @@ _CELLS = 400  # under the widest contact; half as many for the error
 _STEPS = 200  # at least, of a history
 _FAR = 1.1  # over the widest relaxed contact: rubber that was pulled up is met early
 _RESTING = 24  # steps of a rest, in geometric progression
+_ROUNDS = 5  # in which steps are halved
 _RTOL = 0.03  # what a history with memory is held to
 _SOON = 1e-6  # of a rest: its first step
 _LARGEST = 100.0  # contact [m]
@@ -414,7 +422,7 @@ def _shaped(found: _Found, shape: tuple[int, ...], rtol: float) -> Indented:
         if not known.all():
             reason = "A load pulled the body off."
         elif not (error <= rtol).all():
-            reason = "The body comes off too near to these instants."
+            reason = "The body meets it or comes off too near to these instants."
     return Indented(
         depth=contact.depth,
         force=contact.force,
@@ -449,7 +457,7 @@ def _elastic(
         change: Array, edges: tuple[Limit, Limit], limits: tuple[Array, Array]
     ) -> Event:
         """The first change: between two instants, where what is given is the limit."""
-        i = xp.argmax(change, axis=1)[:, None]
+        i = argmax(change.T)[:, None]
         before, after, start, end, rules = (
             xp.take_along_axis(row, i + k, axis=1)[:, 0]
             for row, k in ((value, 0), (value, 1), (time, 0), (time, 1), (by_depth, 1))
@@ -558,20 +566,35 @@ def _marched(
     by_depth: np.ndarray,
 ) -> _History:
     """A history, its first contact and its pull-off, and the error of what was asked
-    for: against half as many elements and steps.
+    for: against half as many elements and steps, which are halved where it is too large.
     """
     value = np.where(by_depth, depth, load)
-    shares = _shares(value, by_depth)
-    fine, coarse = (Cycle(law, disc, bond, widest, _CELLS // part) for part in (1, 2))
-    found = fine.march(time, value, by_depth, shares)
-    half = coarse.march(time, value, by_depth, [part[::-2][::-1] for part in shares])
-    asked, again = (np.where(by_depth, c.force, c.depth) for c in (found, half))
-    size = [np.nanmax(abs(row), initial=0.0) for row in (found.force, found.depth)]
-    error = abs(asked - again) / np.where(by_depth, *size)
-    sure = abs(fine.work - coarse.work) <= _RTOL * abs(fine.work)
-    sure = sure and bool(np.isfinite(fine.pull_off.time))
-    loop = fine.work if sure else np.nan
-    return _History(found, fine.jump_in, fine.pull_off, error, loop)
+
+    def marched(shares: list[np.ndarray]) -> _History:
+        fine, coarse = (Cycle(law, disc, bond, widest, _CELLS // n) for n in (1, 2))
+        found = fine.march(time, value, by_depth, shares)
+        half = coarse.march(time, value, by_depth, [part[1::2] for part in shares])
+        asked, again = (np.where(by_depth, c.force, c.depth) for c in (found, half))
+        force, depth = (
+            np.nanmax(abs(row), initial=0.0) or 1.0
+            for row in (found.force, found.depth)
+        )
+        error = abs(asked - again) / np.where(by_depth, force, depth)
+        sure = abs(fine.work - coarse.work) <= _RTOL * abs(fine.work)
+        sure = sure and bool(np.isfinite(fine.pull_off.time))
+        loop = fine.work if sure else np.nan
+        return _History(found, fine.jump_in, fine.pull_off, error, loop)
+
+    history = marched(shares := _shares(value, by_depth))
+    for _ in range(_ROUNDS):
+        if not (history.error > _RTOL).any():
+            break
+        shares = [
+            _halved(part) if miss else part
+            for part, miss in zip(shares, history.error > 0.25 * _RTOL, strict=True)
+        ]
+        history = marched(shares)
+    return history
 
 
 def _shares(value: np.ndarray, by_depth: np.ndarray) -> list[np.ndarray]:
@@ -602,6 +625,12 @@ def _shares(value: np.ndarray, by_depth: np.ndarray) -> list[np.ndarray]:
     ]
 
 
+def _halved(part: np.ndarray) -> np.ndarray:
+    """Steps with one more end in the middle of each."""
+    begin = np.append(0.0, part[:-1])
+    return np.column_stack([0.5 * (begin + part), part]).ravel()
+
+
 def _relaxed(
     law: Relaxation, disc: Disc, bond: Bond
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -629,5 +658,5 @@ def _widest(
 def _last(work: Array) -> Array:
     """The last value that is known of each row."""
     known = xp.isfinite(work)
-    last = work.shape[-1] - 1 - xp.argmax(known[..., ::-1], axis=-1)
-    return xp.take_along_axis(work, last[..., None], axis=-1)[..., 0]
+    last = work.shape[-1] - 1 - argmax(known[:, ::-1].T)
+    return xp.take_along_axis(work, last[:, None], axis=1)[:, 0]
