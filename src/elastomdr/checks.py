@@ -439,7 +439,10 @@ def untraced(error: InputError, *values: object) -> None:
         raise error
 
 
-def numbers_only(arguments: Mapping[str, object], hint: str = "") -> None:
+def numbers_only(
+    arguments: Mapping[str, object],
+    hint: str = "a derivative is the difference of two calls",
+) -> None:
     """Raises `InputError`, of the first of these arguments that JAX traces."""
     for name, value in arguments.items():
         accepted = "in plain numbers, outside jax.jit, grad and vmap"

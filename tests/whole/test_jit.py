@@ -152,18 +152,64 @@ ON_LAYER = {
         ).coefficient
     ),
 }
+STICKY = em.Adhesion(0.05, cutoff=1e-6)
+PLACE = np.linspace(0.0, 1e-3, 51)
+STROKE = {"velocity_out": 0.2, "velocity_in": 0.1, "stroke": 0.1, "viscosity": 0.1}
 NUMBERS = {
-    "impact": lambda k: em.impact(RUBBER, BALL, mass=0.01 * k, velocity=1.0),
-    "shear": lambda k: em.shear(
-        RUBBER, BALL, time=SHORT, displacement=k * SHORT, friction=0.5, load=1.0
+    ("impact", "mass"): lambda k: (
+        em.impact(RUBBER, BALL, mass=0.01 * k, velocity=1.0).restitution
     ),
+    ("shear", "displacement"): lambda k: em.shear(
+        RUBBER, BALL, time=SHORT, displacement=1e-5 * k * SHORT, friction=0.5, load=1.0
+    ).force[-1],
+    ("indent", "depth"): lambda k: em.indent(
+        RUBBER, BALL, time=SHORT, depth=1e-4 * k * SHORT, adhesion=STICKY
+    ).force[-1],
+    ("lubricated", "load"): lambda k: (
+        em.lubricated(
+            RUBBER, em.Cylinder(0.01, 0.05), velocity=1.0, load=50.0 * k, viscosity=0.1
+        ).mu
+    ),
+    ("reciprocating", "profile"): lambda k: (
+        em.reciprocating(
+            None, profile=(PLACE, 1e6 * k * np.sin(1e3 * np.pi * PLACE)), **STROKE
+        ).net_leak
+    ),
+    ("half-space", "load"): lambda k: (
+        em.friction(
+            RUBBER, BALL, velocity=0.01, load=k, model=em.HalfSpace(cells=32)
+        ).mu
+    ),
+    ("dissipation", "load"): lambda k: em.dissipation(
+        LAYER, em.Cylinder(5e-3, 0.01), velocity=0.01, load=10 * k
+    ).power[0],
 }
 
 
-@pytest.mark.parametrize("verb", NUMBERS)
-def test_what_takes_numbers_alone_says_so(verb):
-    with refused({"impact": "mass", "shear": "displacement"}[verb], "jit"):
-        jax.jit(lambda k: NUMBERS[verb](k).error)(1.0)
+@pytest.mark.parametrize(("verb", "argument"), NUMBERS)
+def test_what_takes_numbers_alone_says_so_and_has_differences(verb, argument):
+    call = NUMBERS[verb, argument]
+    with jax.enable_x64(True), refused(argument, "jit", "difference of two calls"):
+        jax.grad(call)(1.0)
+    near, far = (
+        (float(call(1 + step)) - float(call(1 - step))) / (2 * step)
+        for step in (0.05, 0.1)
+    )
+    assert near != 0
+    assert near == pytest.approx(far, rel=0.1)
+
+
+def test_lines_under_jax_name_models_that_have_derivatives():
+    def call(k, model):
+        return em.friction(RUBBER, ROAD, velocity=k, pressure=1e5, model=model).mu
+
+    with jax.enable_x64(True):
+        with refused("model", "em.Multiscale()", "em.Persson()"):
+            jax.grad(call)(0.1, em.Line())
+        for model in (em.Multiscale(), em.Persson()):
+            slope = jax.grad(call)(0.1, model)
+            near, far = call(0.101, model), call(0.099, model)
+            assert slope == pytest.approx((near - far) / 2e-3, rel=0.01)
 
 
 WAYS = {

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..call.problem import Asked, SteadyScene, steady_scene
-from ..checks import whole_number
+from ..checks import numbers_only, whole_number
 from ..element.law import Foundation, TabulatedFoundation
 from ..errors import InputError
 from ..smooth.passage import Control
@@ -64,12 +64,7 @@ def points_of(foundation: Foundation, asked: Asked, points: int) -> ReferencePoi
     if points % 2:
         raise InputError(argument="points", got=points, accepted="even")
     steady = steady_scene(foundation, None, asked)
-    if steady.traced:
-        raise InputError(
-            argument="material",
-            accepted="of plain numbers, as velocity and load",
-            hint="the reference is not differentiable",
-        )
+    numbers_only({"material": foundation, **vars(asked)})
     if float(foundation.equilibrium) == 0:
         raise InputError(
             argument="material",

@@ -20,8 +20,8 @@ from ..checks import (
     Array,
     certain,
     known,
+    numbers_only,
     require,
-    untraced,
     warn_unless,
 )
 from ..element.law import (
@@ -610,16 +610,10 @@ def _say(
         )
 
 
-def _separable(body: Body, given: tuple[Any, ...]) -> Any:
+def _separable(body: Body) -> Any:
     """The law of a body whose branches can be told from each other. Raises
     `InputError`.
     """
-    error = InputError(
-        argument="material",
-        accepted="in plain numbers, outside jax.jit, grad and vmap",
-        hint="so are the losses of a layer by branch",
-    )
-    untraced(error, body, given)
     if isinstance(body, TabulatedFoundation) or isinstance(
         getattr(body, "material", None), TabulatedModulus
     ):
@@ -660,7 +654,8 @@ def cylinder_losses(call: SmoothCall) -> tuple[OnLayer, Any, Any]:
     Raises `InputError` for what `losses` does not separate.
     """
     body = _checked_body(call)
-    law = _separable(body, (call.shape, *vars(call.asked).values()))
+    numbers_only({"material": body, "shape": call.shape, **vars(call.asked)})
+    law = _separable(body)
     rolled, points, solution = cylinder_pressure(call)
     (cover,), _ = _covers(body, np.asarray(points.reduced))
     speed, converged = (

@@ -32,7 +32,6 @@ from .impact_motion import Impacts, Striker, impacts
 from .layer_disc import incompressible_enough, of_layer
 from .oblique_impact import Oblique, ObliqueHistory, Slips, check_oblique, solve_oblique
 from .problem import (
-    TRACED,
     Bound,
     bound_on,
     check_shape,
@@ -198,7 +197,6 @@ def impact(
             "inertia": inertia,
             "tangential": tangential,
         },
-        TRACED,
     )
     slips = check_oblique(material, tangential_velocity, friction, inertia, tangential)
     extra = {}

@@ -383,7 +383,6 @@ def indent_with_adhesion(
             "load": course.load,
             "adhesion": adhesion,
         },
-        "adhesion of viscoelastic rubber has no derivatives",
     )
     found = _with_memory(law, modes, disc, adhesion, *rows)
     return _shaped(found, shape, max(rtol, _RTOL))

@@ -325,9 +325,6 @@ def _check_jumps(time: np.ndarray, depth: np.ndarray) -> None:
         )
 
 
-TRACED = "em.indent, em.slide and em.drive have derivatives"
-
-
 def at_temperature(
     foundation: Foundation, temperature: Any
 ) -> tuple[Relaxation, Any, Any]:

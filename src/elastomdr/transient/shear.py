@@ -38,7 +38,6 @@ from .age import history_beyond
 from .history_result import Shear
 from .problem import (
     MOST_ELEMENTS,
-    TRACED,
     Bound,
     both_laws,
     bound_on,
@@ -148,7 +147,6 @@ def shear(
             "depth": depth,
             "tangential": tangential,
         },
-        TRACED,
     )
     laws = both_laws(material, tangential)
     per_area = standing([laws[0]], material, shape)
