@@ -192,12 +192,16 @@ def advise(python: str, options: Options) -> Advised:
     such as "temperature=293.15 (--temperature 20degC)". Sentences are added to it,
     since an f-string would make a plain text of it.
     """
-    shell = " ".join(
+    return Advised.of((f"{python} ({as_options(options)})", options))
+
+
+def as_options(options: Options) -> str:
+    """Options as the command line has them."""
+    return " ".join(
         f"--{name.replace('_', '-')} {shlex.quote(value) if value else ''}".strip()
         for name, values in options.items()
         for value in ([values] if isinstance(values, str) else values)
     )
-    return Advised.of((f"{python} ({shell})", options))
 
 
 class Amount(NamedTuple):

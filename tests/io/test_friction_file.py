@@ -68,17 +68,20 @@ def test_pressure_errors_and_what_the_user_adds(tmp_path):
         tmp_path,
         "mu std [%],speed,load [N],COF 2,p [MPa]\n3,1,50,0.4,0.5\n5,10,50,0.6,1\n",
     )
-    found = em.read_friction(
-        file, velocity_unit="mm/s", temperature=300.0, columns={"mu": "COF 2"}
-    )
+    with warned(em.fit.FitWarning, "'load [N]'"):
+        found = em.read_friction(
+            file, velocity_unit="mm/s", temperature=300.0, columns={"mu": "COF 2"}
+        )
+    for words in ("4 'COF 2'", "5 'p [MPa]'", "2 'speed' in mm/s"):
+        assert words in found.columns
     np.testing.assert_allclose(found.velocity, [1e-3, 1e-2], rtol=1e-14)
     np.testing.assert_allclose(found.pressure, [5e5, 1e6], rtol=1e-14)
     np.testing.assert_allclose(found.error, [0.012, 0.03], rtol=1e-14)
     np.testing.assert_allclose(found.temperature, 300.0)
     assert "2 points of 'rig.csv'" in repr(found)
-    assert (
-        em.read_friction(file, velocity_unit="mm/s", columns={"mu": 4}).mu == found.mu
-    ).all()
+    with warned(em.fit.FitWarning, "'load [N]'"):
+        again = em.read_friction(file, velocity_unit="mm/s", columns={"mu": 4})
+    assert (again.mu == found.mu).all()
 
 
 def test_rows_that_are_no_measurement_are_counted_and_named(tmp_path):
@@ -109,7 +112,7 @@ def test_rows_that_are_no_measurement_are_counted_and_named(tmp_path):
         tmp_path,
         "\n".join(["# v[mm/s] T[K] mu n", "1 293 0.5 1", "2 0.6 1", "3 293 0.7 1"]),
     )
-    with warned(em.fit.FitWarning, 1, 3, 4):
+    with warned(em.fit.FitWarning, "'n'"), warned(em.fit.FitWarning, 1, 3, 4):
         np.testing.assert_allclose(em.read_friction(file).mu, [0.5, 0.7])
 
 
@@ -123,13 +126,13 @@ def test_rows_that_are_no_measurement_are_counted_and_named(tmp_path):
         ),
         ("velocity [m/s],mu [N]\n1,0.5\n", ("", "'N'", "ratio")),
         ("velocity [m/s],force\n1,0.5\n", ("", "column")),
-        ("velocity [m/s],mu,friction\n1,0.5,0.7\n", ("", "differ")),
+        ("velocity [m/s],mu,friction\n1,0.5,0.7\n", ("", "2 'mu'", "3 'friction'")),
         ("1,0.5\n2,0.6\n", ("", "velocity")),
         (
             "velocity [m/s],mu\n-1,0.5\n-2,0.6\n3,0.5\n",
             ("", 2, 3),
         ),
-        ("velocity [m/s],mu\n1,50\n2,60\n", ("", 50, 60)),
+        ("velocity [m/s],mu\n1,50\n2,60\n", ("", 50, 60, "0 and 8,")),
         ("log v [m/s],mu\n1,0.5\n2,0.6\n", ("path", "logarithms", "base")),
         ("v [mm/s],mu [%],std [%]\n1,50,2\n2,60,2\n", ("", 1, "percent")),
         ("nothing\n", ("", "numbers")),

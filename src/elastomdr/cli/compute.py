@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import elastomdr as em
 
-from ..errors import InputError, quiet, warn
+from ..errors import InputError, advised, quiet, warn
 from ..files import no_formula, write_files
 from . import DONE, NOT_CONVERGED
 from .kinds import read_scene
@@ -191,8 +191,8 @@ def how_drawn(scene: Scene, arguments: Arguments, folder: Path) -> Arguments:
             try:
                 measured = em.read_friction(folder / file)
             except InputError as error:  # a scene has no options for the reader
-                said = 'titles of a file have to say it, such as "velocity [mm/s]"'
-                error.hint = f"{error.hint}; {said}" if error.hint else said
+                if advised(error.hint):
+                    error.hint = 'its titles have to say it, such as "velocity [mm/s]"'
                 raise
         for line in measured.report:
             warn(line, em.ModelWarning)

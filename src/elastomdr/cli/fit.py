@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import elastomdr as em
 
-from ..errors import InputError, closest, quiet
+from ..errors import InputError, quiet
 from ..files import csv_text
 from ..trees import replaced
 from . import DONE, NOT_CONVERGED
@@ -254,8 +254,8 @@ def run(options: argparse.Namespace) -> int:
         with em.progress("reading and fitting"):
             fit = asked.fitted(Path())
     except InputError as error:
-        if error.argument.partition("[")[0] in keys_of(Fit):
-            name = error.argument.replace("_", "-")
+        if error.argument.partition("[")[0] in {*keys_of(Fit), "columns"}:
+            name = error.argument.replace("_", "-").replace("columns", "column")
             error.called("DMA" if name == "data" else f"--{name}")
         raise
     folder.mkdir(parents=True, exist_ok=True)
@@ -371,7 +371,6 @@ def _column(option: str) -> tuple[str, str | int]:
 
 
 _OF_LOAD = ("pressure", "load", "depth")
-_SHOWN = ("weakest", "residuals")  # of what a calibration says, without --verbose
 # of a [surface], the parameter of each, and its size for one decade of that: C goes as
 # the heights squared
 _ERRORS = {"cutoff_error": ("q_high", 2.3026), "level_error": ("heights", 4.6052)}
@@ -391,9 +390,13 @@ class Calibrated(NamedTuple):
         found = self.found
         known = ", ".join(f"{name} {found.in_units(name)}" for name in found.decided)
         known = known or "nothing: the data decide none of the parameters"
-        said = [("left out", line) for line in self.data.report] + [("found", known)]
-        said += [pair for pair in found.findings() if pair[0] in _SHOWN]
-        return [*said, *[("doubts", " ".join(found.warnings))][: len(found.warnings)]]
+        said = dict(found.findings())
+        if "weakest" in said:
+            known += f"; least known {said['weakest']}"
+        doubts = " ".join((*self.data.report, *found.warnings))
+        lines = {"read": self.data.columns, "found": known}
+        lines |= {"residuals": said["residuals"], "doubts": doubts or "none"}
+        return [*lines.items()]
 
 
 def calibrated(
@@ -413,19 +416,15 @@ def calibrated(
     """
     import numpy as np
 
-    from ..fit.calibration import MEANINGS, SHEAR
     from ..material.library import material_info
     from ..surface.spectrum import AbstractSpectrum
     from .compute import write_figure
 
-    held = [SHEAR, *MEANINGS]
-    held.remove("gain")  # which no scene can hold
-    for name in set(parameters).difference(held):
+    if "gain" in parameters:
         raise InputError(
             argument="parameters",
-            got=name,
-            accepted=f"among {', '.join(held)}",
-            hint=closest(name, held),
+            got="gain",
+            accepted="parameters that a scene can hold",
         )
     content = copy.deepcopy(content)
     named = content.pop("measured", None)
@@ -445,7 +444,7 @@ def calibrated(
     scene: Any = decoded("friction", plain)
     with (
         quiet(em.fit.FitWarning),
-        path_from("measured", Path() if measured else folder),
+        path_from("measured", Path() if measured else folder, {"columns"}),
     ):
         data = em.read_friction(file, columns=dict(map(_column, columns)))
     given: Any = scene.arguments(folder) | {"velocity": data.velocity}
@@ -541,8 +540,8 @@ def run_calibration(options: argparse.Namespace) -> int:
                 stem=path.stem,
             )
     except InputError as error:
-        if error.argument in ("measured", "parameters", "draws"):
-            error.called(f"--{error.argument}")
+        if error.argument in ("measured", "parameters", "draws", "columns"):
+            error.called(f"--{error.argument.replace('ns', 'n')}")
         elif not error.places:
             error.inside(path.name)
         raise

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from .. import __version__
-from ..errors import InputError
+from ..errors import InputError, as_options
 from . import BAD_INPUT, DONE, INTERRUPTED
 
 _LONGEST = 1000  # characters of a message
@@ -72,7 +72,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except InputError as error:
         from .units import shown_beside
 
-        return _refused(error.words(shown=shown_beside(error.got)))
+        return _refused(error.words(str, shown_beside(error.got), as_options))
     except _UsageError as error:
         return _refused(str(error))
     except KeyboardInterrupt as error:

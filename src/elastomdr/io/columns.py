@@ -170,17 +170,17 @@ def understand(head: Head, quantities: tuple[ColumnKind, ...]) -> Column | None:
     return refused
 
 
-def naming(values: Mapping[str, str]) -> str:
+def naming(values: Mapping[str, str | int]) -> str:
     """How a user names columns or numbers for roles, in Python and on the command
     line.
     """
-    python = ", ".join(f"{role!r}: {_quoted(one)}" for role, one in values.items())
     options = [f"{role}={one}" for role, one in values.items()]
-    return advise(f"columns={{{python}}}", {"column": options})
+    return advise(f"columns={dict(values)}", {"column": options})
 
 
-def _quoted(text: str) -> str:
-    return f"'{text}'" if " " in text else text
+def naming_one(*columns: Column) -> str:
+    """How a user names one of several columns."""
+    return either([naming({one.role: one.place + 1}) for one in columns])
 
 
 class Understood(NamedTuple):
@@ -365,11 +365,9 @@ def choose(columns: Sequence[Column], table: TitledTable) -> dict[str, Column]:
             ) * (first.title == column.title)
             raise InputError(
                 argument="path",
-                accepted=f"a table with one column of {column.role}",
-                hint=f"{first.words} and {column.words} differ; {isotherms}name one, "
-                "as "
-                + naming({column.role: "N"})
-                + f", N being {first.place + 1} or {column.place + 1}",
+                accepted=f"a table with one column of {column.role}, not two that "
+                f"differ, {first.words} and {column.words}",
+                hint=f"{isotherms}name one, as " + naming_one(first, column),
             )
     return {role: _by_the_clock(column, table) for role, column in chosen.items()}
 
@@ -477,10 +475,11 @@ def _check_limits(
         ]
         raise InputError(
             argument="path",
-            accepted=f"a table whose column {column.words}, read in {units[role]}, is "
-            f"between {low:g} and {high:g} {KINDS[quantity.kind][0]}",
+            accepted=f"a table whose column {column.words}, read"
+            f"{_in(units[role]) or ' without a unit'}, is between "
+            + f"{low:g} and {high:g} {KINDS[quantity.kind][0]}".rstrip(" -"),
             hint=f"it goes from {known.min():.4g} to {known.max():.4g}; give the "
-            "right unit, as " + either(ways) + f", even if it is {units[role]}",
+            "right unit, even if it is that, as " + either(ways),
         )
 
 
@@ -528,7 +527,7 @@ def read_columns(
     chosen = choose([*candidates, *understood.named.values()], table)
     for role in required:
         if role not in {*chosen, *understood.constants}:
-            known = Understood(list(chosen.values()), {}, {}).in_words()
+            known = [f"{one.words} as {role}" for role, one in chosen.items()]
             raise InputError(
                 argument="path",
                 accepted=f"a table with a column of {role}",
@@ -540,6 +539,14 @@ def read_columns(
         for role, value in understood.constants.items()
     }
     return ColumnsRead(table, chosen, values, bad)
+
+
+def units_of(table: TitledTable, chosen: Mapping[str, Column]) -> dict[str, str]:
+    """The unit of each column, as it is written, and the logarithm of it."""
+    return {
+        role: f"{column.log} of " * bool(column.log) + column.unit_by(table.units)
+        for role, column in chosen.items()
+    }
 
 
 def checked_units(given: Mapping[str, str | None]) -> dict[str, str]:
@@ -576,13 +583,12 @@ def refuse_contradiction(
     in_percent = not tangent.unit and abs(np.log(factor / 100)) < _CONTRADICTS
     if in_percent or abs(np.log(factor)) < _CONTRADICTS:
         return
-    ways = [naming({one.role: str(one.place + 1)}) for one in (loss, tangent)]
     raise InputError(
         argument="path",
         accepted=f"a table whose column {tangent.words} is the ratio of {loss.words} "
         f"and {storage.words}",
         hint=f"it is {factor:.3g} times that (median of the rows); name the one that "
-        "is right, as " + ways[0] + " or " + ways[1],
+        "is right, as " + naming_one(loss, tangent),
     )
 
 
@@ -636,23 +642,29 @@ def unit_of(table: TitledTable, column: Column) -> str:
     return unit
 
 
-def taken(
-    table: TitledTable, chosen: Mapping[str, Column], units: Mapping[str, str]
-) -> str:
+def taken(table: TitledTable, chosen: Mapping[str, Column]) -> str:
     """In words, which columns are read as what, in which unit, and which are passed
     over.
     """
+    units = units_of(table, chosen)
     titles = ", ".join(
         f"{role} from {column.words}"
-        + f" in {units[role]}" * (units[role] not in column.title)
+        + _in(units[role]) * (units[role] not in column.title)
         for role, column in chosen.items()
     )
-    places = {column.place for column in chosen.values()}
-    rest = [
-        head.words for head in table.heads if head.title and head.place not in places
-    ]
+    rest = [head.words for head in unread(table, chosen) if head.title]
     more = f" and {len(rest) - _NAMED} more" if len(rest) > _NAMED else ""
     return titles + f"; passed over: {', '.join(rest[:_NAMED])}{more}" * bool(rest)
+
+
+def _in(unit: str) -> str:
+    return f" in {unit}" * (unit != "-")
+
+
+def unread(table: TitledTable, chosen: Mapping[str, Column]) -> list[Head]:
+    """The columns that are passed over."""
+    places = {column.place for column in chosen.values()}
+    return [head for head in table.heads if head.place not in places]
 
 
 def left_out(name: str, bad: Sequence[str], where: str) -> tuple[str, ...]:

@@ -78,7 +78,7 @@ class Dma:
     strain: Float[np.ndarray, " n"] = field(default_factory=lambda: _NONE)
 
     def __post_init__(self) -> None:
-        _kind(self.kind)
+        one_of("kind", self.kind, *KINDS)
         if np.size(self.strain) == 0:
             object.__setattr__(self, "strain", np.full(np.shape(self.omega), np.nan))
         for name in (*_OF_OMEGA, "relaxation", "time_temperature"):
@@ -223,9 +223,7 @@ def dma(
         for n, v in (("omega", omega), ("storage", storage), ("loss", loss))
     )
     alike(1, {"omega": omega, "storage": g1, "loss": g2})
-    return Dma(
-        _temperatures(temperature, omega), omega, g1, g2, _kind(kind), source=source
-    )
+    return Dma(_temperatures(temperature, omega), omega, g1, g2, kind, source=source)
 
 
 @in_si
@@ -248,7 +246,7 @@ def relaxation(
         _NONE,
         _NONE,
         _NONE,
-        _kind(kind),
+        kind,
         time=t,
         relaxation=g,
         time_temperature=temperatures,
@@ -319,37 +317,22 @@ def join(*parts: Dma) -> Dma:
             )
         },
         warnings=_each(measurement.warnings for measurement in parts),
-        bad_rows=_each(_bad_rows(measurement, several) for measurement in parts),
+        bad_rows=_each(_placed(one, one.bad_rows, several) for one in parts),
         source=", ".join(_each((measurement.source,) for measurement in parts)),
-        columns=_each(_columns(measurement, differ) for measurement in parts),
+        columns=_each(_placed(one, one.columns, differ) for one in parts),
     )
 
 
-def _bad_rows(measurement: Dma, several: bool) -> tuple[str, ...]:
-    """The rows left out, with their file where there are several."""
-    return tuple(
-        f"{measurement.source}: {row}" if several and row.startswith("line ") else row
-        for row in measurement.bad_rows
-    )
-
-
-def _columns(measurement: Dma, differ: bool) -> tuple[str, ...]:
-    """What was taken as what, with its file where several differ."""
-    return tuple(
-        f"{measurement.source}: {column}"
-        if differ and "," not in measurement.source
-        else column
-        for column in measurement.columns
-    )
+def _placed(measurement: Dma, lines: Sequence[str], several: bool) -> list[str]:
+    """What is said of a file, with its name where there are several; of files that have
+    been joined it is there already.
+    """
+    place = f"{measurement.source}: " * (several and "," not in measurement.source)
+    return [place + line for line in lines]
 
 
 def _each(lists: Iterable[Iterable[str]]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(line for texts in lists for line in texts))
-
-
-def _kind(kind: Kind) -> Kind:
-    one_of("kind", kind, *KINDS)
-    return kind
 
 
 def _positive(name: str, values: ArrayLike) -> np.ndarray:
@@ -555,29 +538,22 @@ class MeasuredFriction:
     pressure: Float[np.ndarray, " n"] | None  # [Pa]
     error: Float[np.ndarray, " n"] | None  # standard deviation of mu
     source: str  # name of the file
+    columns: str  # which are read as what, in words
     report: tuple[str, ...]  # what was left out
 
     @property
     def points(self) -> dict[str, np.ndarray]:
         """The points as `curve.plot(measured=...)` takes them."""
-        columns = {
-            "velocity": self.velocity,
-            "mu": self.mu,
-            "temperature": self.temperature,
-        }
+        names = ("velocity", "mu", "temperature")
+        columns = {name: getattr(self, name) for name in names}
         return {name: values for name, values in columns.items() if values is not None}
 
     def __repr__(self) -> str:
-        spans = [
-            ("velocity", self.velocity, "m/s"),
-            ("temperature", self.temperature, "K"),
-            ("pressure", self.pressure, "Pa"),
-            ("mu", self.mu, ""),
-        ]
+        units = {"velocity": "m/s", "temperature": "K", "pressure": "Pa", "mu": ""}
         parts = [
             f"{name} {x.min():.4g} to {x.max():.4g} {unit}".rstrip()
-            for name, x, unit in spans
-            if x is not None
+            for name, unit in units.items()
+            if (x := getattr(self, name)) is not None
         ]
         return "\n".join(
             [
@@ -585,6 +561,7 @@ class MeasuredFriction:
                     f"MeasuredFriction({self.mu.size} points of {self.source!r}: "
                     f"{', '.join(parts)})"
                 ),
+                self.columns,
                 *self.report,
             ]
         )

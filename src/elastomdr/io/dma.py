@@ -27,6 +27,7 @@ from .columns import (
     refuse_wide,
     taken,
     understand_table,
+    units_of,
 )
 from .data import KINDS, Dma, FitWarning, join
 from .held import BACK, NoStep, while_held
@@ -434,11 +435,7 @@ def _measurement(
     for role in needed:
         if role not in values:
             values[role] = np.full(int(good.sum()), table.fixed.get(role, np.nan))
-    written = {
-        role: f"{column.log} of " * bool(column.log) + column.unit_by(table.units)
-        for role, column in chosen.items()
-    }
-    columns_taken = taken(table, chosen, written)
+    columns_taken = taken(table, chosen)
     if "temperature" in table.fixed:
         columns_taken += "; temperature from the text"
     none = np.zeros(0)
@@ -448,7 +445,7 @@ def _measurement(
         none,
         none,
         kind,
-        units=written,
+        units=units_of(table, chosen),
         warnings=(
             *rest,
             *left_out(name, bad, "bad_rows and in the master curve's table"),

@@ -18,7 +18,9 @@ from .columns import (
     left_out,
     naming,
     read_columns,
+    taken,
     understand,
+    unread,
 )
 from .data import COLDEST, FitWarning, MeasuredFriction
 
@@ -26,7 +28,6 @@ _TEMPERATURE = ColumnKind(
     "temperature",
     "temperature",
     (r"t|temp\.?|temperature|temperatur",),
-    option="temperature_unit",
     limits=(COLDEST, 800.0),
 )
 _FRICTION = (
@@ -36,7 +37,6 @@ _FRICTION = (
         (
             r"v|velocity|speed|sliding (velocity|speed)|geschwindigkeit|gleitgeschwindigkeit",
         ),
-        option="velocity_unit",
         limits=(1e-12, 1e3),
     ),
     ColumnKind(
@@ -52,9 +52,8 @@ _FRICTION = (
     _TEMPERATURE,
     ColumnKind(
         "pressure",
-        "modulus",
+        "pressure",
         (r"p|(nominal |contact |mean )?pressure|druck|flächenpressung",),
-        option="pressure_unit",
     ),
     ColumnKind(
         "error",
@@ -107,7 +106,8 @@ def read_friction(
     Args:
         path: a table with titles such as "velocity [mm/s],temperature [degC],mu";
             temperature, nominal pressure and error (standard deviation of mu, or [%] of
-            it) may be absent, other columns are passed over.
+            it) may be absent, other columns are passed over, with a warning where they
+            hold numbers.
         temperature: temperature of all points where the file has no such column [K].
         columns: columns by quantity (velocity, mu, temperature, pressure, error), as in
             `em.read_dma`.
@@ -117,7 +117,8 @@ def read_friction(
         pressure_unit: likewise of pressures.
 
     Returns:
-        The points in SI units; `report` names the rows that are no measurement.
+        The points in SI units; `columns` says what was read as what, `report` which
+        rows are no measurement, and which numbers were not read.
 
     Raises:
         InputError: for what cannot be read, what is ambiguous, units that nobody gives,
@@ -130,7 +131,6 @@ def read_friction(
             "pressure": pressure_unit,
         }
     )
-    units["modulus"] = units.pop("pressure", "")
     with file_as_typed(path):
         table, chosen, values, bad = read_columns(
             path, _FRICTION, ("velocity", "mu"), columns, units
@@ -162,7 +162,15 @@ def read_friction(
                 accepted=f"left out where the file has a column for it, as {name!r}",
             )
         values["temperature"] = np.full(values["mu"].shape, given_temperature)
+    numbers = [
+        head.words
+        for head in unread(table, chosen)
+        if 2 * np.isfinite(table.column(head.place)).sum() > len(table.rows)
+        and not understand(head, _FRICTION)
+    ]
     report = left_out(name, bad, "report")
+    if numbers:
+        report += (f"{name}: numbers that are not read: {', '.join(numbers)}.",)
     for line in report:
         warn(line, FitWarning)
     return MeasuredFriction(
@@ -172,6 +180,7 @@ def read_friction(
         values.get("pressure"),
         values.get("error"),
         name,
+        taken(table, chosen),
         report,
     )
 

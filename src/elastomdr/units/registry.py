@@ -146,7 +146,7 @@ def is_level(unit: str) -> bool:
 
 def usual(kind: str) -> str:
     """Examples of units of a kind, for messages."""
-    return ", ".join(KINDS[kind][1].split())
+    return ", ".join(KINDS[kind][1].replace("-", "none").split())
 
 
 _LONGEST = 100  # characters of a unit: pint takes minutes for a million
