@@ -193,17 +193,39 @@ def test_a_profile_with_holes_is_refused():
         )
 
 
-@pytest.mark.parametrize("verb", [em.leak, em.break_out])
-def test_a_table_has_no_modulus_at_rest(verb):
+AT_REST = {
+    em.leak: {"pressure_drop": 1e4, "viscosity": 1e-3, "length": 1e-3, "width": 0.1},
+    em.break_out: {"boundary_shear": 1e5},
+    em.press: {"model": em.Line(seeds=2, periods=4)},
+}
+
+
+@pytest.mark.parametrize("verb", AT_REST)
+def test_a_table_of_moduli_rests_on_its_lowest_one(verb):
+    """As the elastic series of that modulus, and beyond the data; not after a time."""
+    omega = np.geomspace(1.0, 1e6, 30)
+    warm = {
+        "shift": em.WLF(8.86, 101.6, 293.15),
+        "vertical": em.EntropicVertical(293.15),
+    }
+    moduli = 1e6 * (1 + omega / 1e3), 1e5 * (1 + omega / 1e3)
+    table = em.TabulatedModulus(omega, *moduli, poisson=0.49, **warm)
+    surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=1e4)
+    given = {"pressure": 3e5, "temperature": 320.0, **AT_REST[verb]}
+    with pytest.warns(em.ExtrapolationWarning):
+        found = verb(table, surface, **given)
+    elastic = em.Prony(float(table.storage(0.0)), [], [], poisson=0.49, **warm)
+    same = verb(elastic, surface, **given)
+    shown = {em.leak: "rate", em.break_out: "mu", em.press: "approach"}[verb]
+    assert getattr(found, shown) == pytest.approx(getattr(same, shown), rel=1e-12)
+    assert found.extrapolated.all()
+    with refused("material", "series", "em.fit.prony"):
+        verb(table, surface, time=10.0, **given)
+
+
+def test_a_table_of_moduli_is_not_pressed_in_sliding():
     omega = np.geomspace(1.0, 1e6, 30)
     table = em.TabulatedModulus(omega, 1e6 + 0 * omega, 1e5 + 0 * omega)
     surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=1e4)
-    more = (
-        {"boundary_shear": 1e5}
-        if verb is em.break_out
-        else {"pressure_drop": 1e4, "viscosity": 1e-3, "length": 1e-3, "width": 0.1}
-    )
-    with pytest.raises(em.InputError) as refusal:
-        verb(table, surface, pressure=1e6, **more)
-    assert refusal.value.argument == "material"
-    assert "at rest" in str(refusal.value.accepted)
+    with refused("material", "series"):
+        em.press(table, surface, pressure=1e5, velocity=0.1)

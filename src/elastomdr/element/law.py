@@ -190,6 +190,11 @@ class TabulatedFoundation(AbstractTable):
     range: Range | None = static()  # where the numbers hold; None: not known
     per_area: ClassVar[bool] = False
 
+    @property
+    def equilibrium(self) -> Array:
+        """E* at the lowest frequency [Pa], below which it is taken as constant."""
+        return self.storage_table[0]
+
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""
         return f"TabulatedFoundation({label}{described(self)})"

@@ -45,7 +45,7 @@ from ..checks import (
     warn_unless,
     whole_number,
 )
-from ..element.law import Foundation
+from ..element.law import Foundation, as_foundation
 from ..errors import InputError
 from ..material.validity import material_in_words
 from ..models import Line, seeds_of
@@ -60,7 +60,7 @@ from .results import RoughContact
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
-    from ..call.types import Material, ModelLike, Surface
+    from ..call.types import Material, ModelLike, SteadyBody, Surface
 
 # least rise of a piece over that of the line: a horizontal one would be a jump of s
 _FLAT = 1e-6
@@ -90,7 +90,7 @@ def press(
     rubber.
 
     Args:
-        material: as for `em.friction`, a series.
+        material: as for `em.friction`; a table of moduli at rest, long after.
         surface: a rigid surface by its spectrum, or an `em.RoughLine` with
             `model=em.Line(equivalent_length=...)`.
         pressure: nominal pressure [Pa].
@@ -137,7 +137,7 @@ def press(
     solved = (
         _at_rest(points, lines, length)
         if velocity is None
-        else _sliding(points, lines, length, foundation)
+        else _sliding(points, lines, length, as_foundation(foundation))
     )
     contact = _report(points, surface, model, lines, solved, traced)
     warn_unless(solved.good, "points")
@@ -167,7 +167,7 @@ def _check(
     model: ModelLike | None,
     time: ArrayLike | None,
     velocity: ArrayLike | None,
-) -> tuple[Foundation, Line]:
+) -> tuple[SteadyBody, Line]:
     """The half-space and the model. Raises `InputError`."""
     if not is_rough(surface):
         raise not_rough(surface)
@@ -263,7 +263,7 @@ class _PressedContact(NamedTuple):
 
 
 def _points(
-    foundation: Foundation,
+    foundation: SteadyBody,
     surface: Surface,
     pressure: ArrayLike,
     time: ArrayLike | None,

@@ -16,7 +16,7 @@ from ..call.extrapolation import (
 )
 from ..call.problem import Asked, check_carries
 from ..checks import is_traced
-from ..element.law import Foundation, as_foundation
+from ..element.law import surface_foundation
 from ..element.layer import Layer
 from ..errors import InputError
 from ..material.shift import thermal_factors
@@ -53,11 +53,11 @@ class RoughCall:
     branch: Branch = "cold"  # of several steady states with heat
 
 
-def resting_body(material: Material, time: ArrayLike | None) -> Foundation:
+def resting_body(material: Material, time: ArrayLike | None) -> SteadyBody:
     """The half-space of rubber that rests on a rough surface. Raises `InputError`."""
-    at_rest = "rubber at rest, whose modulus no table of frequencies holds"
-    needs_series("material", material, at_rest)
-    foundation = None if isinstance(material, Layer) else as_foundation(material)
+    if time is not None:
+        needs_series("material", material, "rubber that is held for a time")
+    foundation = None if isinstance(material, Layer) else surface_foundation(material)
     if foundation is None or foundation.per_area:
         raise InputError(
             argument="material",
@@ -87,7 +87,7 @@ class Resting(NamedTuple):
     with E* = b_T/J(t/a_T).
     """
 
-    foundation: Foundation
+    foundation: SteadyBody
     surface: Surface
     time: Array | None
     temperature: Array | None
@@ -98,7 +98,7 @@ class Resting(NamedTuple):
     @classmethod
     def of(
         cls,
-        foundation: Foundation,
+        foundation: SteadyBody,
         surface: Surface,
         time: Array | None,
         temperature: Array | None,

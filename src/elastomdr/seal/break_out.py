@@ -153,7 +153,7 @@ def break_out(
     grows while it rests.
 
     Args:
-        material: as for `em.press`, a series.
+        material: as for `em.press`.
         surface: roughness by its spectrum; where the rubber is rough too, that of the sum
             of both spectra.
         pressure: nominal pressure that contact bears [Pa], less what a fluid between

@@ -38,7 +38,6 @@ from ..checks import (
     untraced,
     warn_unless,
 )
-from ..element.law import Foundation
 from ..errors import InputError, amount
 from ..material.validity import material_in_words
 from ..models import Model, as_model, named, seeds_of
@@ -72,7 +71,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Style
-    from ..call.types import Material
+    from ..call.types import Material, SteadyBody
     from ..surface.spectrum import AbstractSpectrum
 
 _KINKS = 12  # of a profile, at which cells end
@@ -354,7 +353,7 @@ def leak(
     rubber's creep.
 
     Args:
-        material: as for `em.press`, a series.
+        material: as for `em.press`.
         surface: roughness by its spectrum; where the rubber is rough too, the sum of
             both spectra.
         pressure: pressure with which rubber and surface are pressed together [Pa], the
@@ -607,7 +606,7 @@ def _along(
     return flow._replace(**of_points, profile=AlongSeal(*places))
 
 
-def _of_rubber(foundation: Foundation, given: LeakGiven) -> Array | None:
+def _of_rubber(foundation: SteadyBody, given: LeakGiven) -> Array | None:
     """The temperature as the rubber has it: one that a gas needs does not change a
     rubber without a law for it.
     """
@@ -763,7 +762,7 @@ def _judge(
 
 
 def bodies_in_words(
-    foundation: Foundation, surface: AbstractSpectrum
+    foundation: SteadyBody, surface: AbstractSpectrum
 ) -> list[tuple[str, str]]:
     """The rubber, the surface, and where the roughness is."""
     return [
@@ -774,7 +773,7 @@ def bodies_in_words(
 
 
 def _inputs_in_words(
-    foundation: Foundation, pressed: PressedSeal, given: LeakGiven, seal: _Seal
+    foundation: SteadyBody, pressed: PressedSeal, given: LeakGiven, seal: _Seal
 ) -> list[tuple[str, str]]:
     surface, _, direction = pressed.rough
     inputs = bodies_in_words(foundation, surface)
