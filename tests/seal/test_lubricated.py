@@ -439,11 +439,11 @@ def test_both_strokes_are_warned_of_at_once():
     ("change", "named"),
     [
         ({"material": em.Prony(1.1e6, [3e6], [1e-4])}, ("material", "rubber")),
-        ({"material": [RUBBER, RUBBER]}, ("material", "rubber")),
+        ({"material": []}, ("material", "list")),
         ({"material": None}, ("material", "o_ring")),
         (
-            {"o_ring": None, "profile": (X, STEEP), "material": [RUBBER]},
-            ("material", "rubber"),
+            {"o_ring": None, "profile": (X, STEEP), "material": [3.0]},
+            ("material[0]", "rubber"),
         ),
         ({"o_ring": em.o_ring(RUBBER, 5e-3, [0.1, 0.2])}, ("o_ring", "single")),
     ],
@@ -539,3 +539,22 @@ def test_the_error_of_two_grids_is_their_difference():
     assert (two.error >= 0.02).all()
     assert (three.error < two.error).all()
     assert not two.settled()
+
+
+def test_rubbers_of_a_list_move_under_the_rings_of_the_same_list():
+    names = ("soft", "hard")
+    rubbers = [
+        em.Prony(e, [2e5], [1e-2], name=name)
+        for e, name in zip((8e5, 3e6), names, strict=True)
+    ]
+    ring, motion = em.o_ring(rubbers, 5e-3, 0.15), STROKES | {"viscosity": 10.0}
+    both = em.reciprocating(rubbers[::-1], o_ring=ring, **motion)
+    assert both.materials == names[::-1]
+    for rubber in rubbers:
+        alone = em.reciprocating(rubber, o_ring=em.o_ring(rubber, 5e-3, 0.15), **motion)
+        found = both.select(rubber.name)
+        np.testing.assert_array_equal(found.film_out, alone.film_out)
+        np.testing.assert_array_equal(found.friction_in, alone.friction_in)
+    assert set(both.to_pandas()["material"]) == set(names)
+    with refused("material[1]", "Prony"):
+        em.reciprocating([rubbers[0], 3.0], o_ring=ring, **motion)

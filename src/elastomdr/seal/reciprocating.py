@@ -31,12 +31,13 @@ H. K. Mueller & B. S. Nau, Fluid Sealing Technology (1998).
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
 from ..call.extrapolation import pressed_as_none_is
+from ..call.several_materials import over_materials
 from ..checks import (
     broadcast,
     in_si,
@@ -127,9 +128,10 @@ class _Carried(NamedTuple):
     said: tuple[tuple[str, str], ...] = ()
 
 
+@over_materials
 @in_si
 def reciprocating(
-    material: Prony | None = None,
+    material: Prony | Sequence[Prony] | None = None,
     *,
     profile: tuple[ArrayLike, ArrayLike] | str | os.PathLike[str] | None = None,
     o_ring: ORing | None = None,
@@ -142,7 +144,7 @@ def reciprocating(
     """Films, net leak and friction of a seal on a rod that moves out and in.
 
     Args:
-        material: rubber of the O-ring, one; not needed with a profile.
+        material: rubber of the O-ring; not needed with a profile.
         profile: pressure of the dry contact, from the side of the fluid to that of the
             air: positions [m] and pressures [Pa], or a file with these two columns and
             their units in its title line, such as position [mm], pressure [MPa].
@@ -186,7 +188,7 @@ def reciprocating(
         raise InputError(
             argument="material",
             got=material,
-            accepted="one rubber (em.Prony, em.load_material(...)), that of the O-ring",
+            accepted="the rubber of the O-ring (em.Prony, em.load_material(...))",
         )
     only_one({"profile": profile, "o_ring": o_ring})
     motion = _check(velocity_out, velocity_in, stroke, viscosity, width)
