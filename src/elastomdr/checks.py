@@ -476,7 +476,7 @@ def significant(value: float, digits: int = 4) -> str:
     return f"{value:.{digits}g}" if math.isfinite(value) else str(value)
 
 
-_SEEN = 1e-3  # the smallest share that words give
+SEEN = 1e-3  # the smallest share that words give
 
 
 def shares_in_words(shares: np.ndarray) -> str:
@@ -485,8 +485,8 @@ def shares_in_words(shares: np.ndarray) -> str:
     if not known.size:
         return "not known"
     low, high = float(known.min()), float(known.max())
-    words = f"{percent(high)} of mu" + " where it is known" * (known.size < shares.size)
-    return words if low >= 0.9 * high or high < _SEEN else f"{percent(low)} to {words}"
+    words = percent(high) + " where it is known" * (known.size < shares.size)
+    return words if low >= 0.9 * high or high < SEEN else f"{percent(low)} to {words}"
 
 
 def percent(share: float) -> str:
@@ -494,4 +494,4 @@ def percent(share: float) -> str:
     if np.isnan(share):
         return "not known"
     words = significant(100 * share, 2 if share < 1 else 3)
-    return f"{words} %" if share >= _SEEN else "below 0.1 %"
+    return f"{words} %" if share >= SEEN else "below 0.1 %"

@@ -848,7 +848,7 @@ def test_what_dominates_comes_first():
     assert not any(word in str(surer.notes) for word in ("em.", "=", "scene"))
     *_, sure, surer = cards(sheared(), sheared().uncertainty())
     assert sure.number.startswith("±")  # by the limits of mu
-    assert mentions(sure.notes, "model", "limits of mu")
+    assert mentions(sure.notes, "model", "limits")
     assert mentions(surer.notes, "scan of the road")  # friction narrows it by less
 
 
@@ -882,10 +882,12 @@ def test_cards_and_readings_of_draws_are_of_their_median(tmp_path):
     half = 0.5 * (high - low)[i]
     spread = half + done.shown.model_error[i]
     assert top.number == f"{middle[i]:.3g} ± {spread:.2g}"
-    share = 100 * half / middle[i]
-    assert f"rubber {share:.2g} %: 95 % of 4 draws" in sure.notes
+    rubber = 100 * done.parts["rubber"].share[i]
+    assert f"rubber {rubber:.2g} %: 95 % of 4 draws" in sure.notes
+    assert mentions(sure.notes, "its upper cutoff to +- 0.2")
+    assert mentions(cards(done.shown)[1].notes, "and 95 % of the draws")
     _, sure, _ = cards(done.shown)
-    assert mentions(sure.notes, f"numerical {share:.2g} %")
+    assert mentions(sure.notes, f"numerical {100 * half / middle[i]:.2g} %")
     (reading,) = _readings(done.shown, 0.1)
     assert reading.startswith(f"µ = {middle[0]:.3g} ")
     (tmp_path / "law.csv").write_bytes(done.law("csv"))

@@ -137,10 +137,16 @@ def test_what_friction_rests_on_stands_beside_it(tmp_path, capsys):
     np.testing.assert_allclose(share, held.share.ravel(), rtol=1e-6, atol=1e-9)
     assert all("illustrative" in row["doubts"] for row in rows)
     assert any(line.startswith("# illustrative: 4 of 4") for line in lines)
-    assert [line.split()[0] for line in said[-3:]] == ["band", "surer", "wrote"]
-    widest = np.nanmax(held.half_band())
-    assert mentions(said[-3], f"{100 * widest:.2g} %")
-    assert mentions(said[-2], held.surer()[0].test)
+    names = [line[:9].strip() for line in said]
+    assert names == ["largest", "how sure", "rests on", "doubts", "wrote"]
+    i = int(np.argmax(held.value))
+    ends = held.value[i] * (1 + held.half_band()[i] * np.array([-1, 1]))
+    assert mentions(said[1], *(f"{max(end, 0):.3g}" for end in ends))
+    assert mentions(said[1], f"model {100 * held['model'].share[i]:.2g} %")
+    assert mentions(said[2], held.surer()[0].test, "not in the band", "rubber")
+    asked = ["--out", str(tmp_path), "--uncertainty", "--verbose"]
+    assert main(["friction", str(scene), *asked]) == 0
+    assert all(each.words() in capsys.readouterr().out for each in held.surer()[:1])
 
 
 def test_rolling_of_the_same_rubber_stands_beside_its_friction(tmp_path, capsys):

@@ -264,11 +264,31 @@ def test_a_scene_with_uncertainty(tmp_path, capsys):
     assert main(["friction", str(path), "--out", str(tmp_path)]) == 0
     assert "95 % of the draws" in capsys.readouterr().out
     path.write_text(SCENE.replace("MATERIAL", "natural-rubber-like"))
+    assert main(["friction", str(path), "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "4 draws" in said  # of the road
+    assert "shortest wave" in said
+    unknown = SCENE.replace("MATERIAL", "natural-rubber-like")
+    path.write_text(unknown.replace("level_error = 0.2", ""))
     assert main(["friction", str(path), "--out", str(tmp_path)]) == 2
     assert "misfit" in capsys.readouterr().err
-    path.write_text(SCENE.replace("MATERIAL", "epdm-70").replace("uncertainty = 4", ""))
-    assert main(["friction", str(path), "--out", str(tmp_path)]) == 2
-    assert "level_error" in capsys.readouterr().err
+    alone = SCENE.replace("MATERIAL", "epdm-70").replace("uncertainty = 4", "")
+    path.write_text(alone)
+    asked = ["friction", str(path), "--out", str(tmp_path), "--uncertainty"]
+    assert main(asked) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert len(said) == 5
+    road = em.SelfAffine(
+        0.8, rms_slope=0.5, q_low=2 * np.pi / 5e-3, q_high=2 * np.pi / 5e-5
+    )
+    at = {"velocity": np.geomspace(1e-4, 0.1, 3), "pressure": 2e5}
+    held = em.friction(em.load_material("epdm-70"), road, **at)
+    share = held.uncertainty(level=0.2)["road heights"].share
+    table = (tmp_path / "scene-friction-uncertainty.csv").read_text().splitlines()
+    rows = [line.split(",") for line in table if line.startswith("road heights")]
+    share_of = next(row for row in table if row.startswith("part,")).split(",")
+    column = share_of.index("share [-]")
+    np.testing.assert_allclose([float(row[column]) for row in rows], share, rtol=1e-6)
     pytest.importorskip("zarr")
     path.write_text(
         SCENE.replace("MATERIAL", "epdm-70") + '[sweep]\ncall = "friction"\n'

@@ -11,8 +11,10 @@ import pandas as pd
 import pytest
 
 import elastomdr as em
+from elastomdr.material.validity import Range
 from elastomdr.results.doubts import SHORT
 from elastomdr.surface.topography import MeasuredSurface
+from elastomdr.trees import replaced
 
 from ..refused import mentions, refused
 
@@ -377,7 +379,7 @@ class TestUncertainty:
                 em.friction(TREAD, **({"shape": ROAD, "adhesion": shear} | SCENE | end))
                 for end in ends
             )
-            return 0.5 * (up.mu - down.mu) / found.mu
+            return 0.5 * (up.mu - down.mu) / found.value
 
         slopes = np.array(
             [
@@ -475,6 +477,80 @@ class TestUncertainty:
         np.testing.assert_array_equal(np.isnan(found["model"].share), lost)
         np.testing.assert_array_equal(np.isnan(found.half_band()), lost)
         assert mentions(found["model"].words(), "where it is known")
+
+    def test_stated_errors_of_rubber_and_road_are_apart(self):
+        """In one draw of both: each against draws of its own, with the others fixed."""
+        rows = tuple((10.0**k, 0.1, 0.1) for k in np.arange(-4, 10, 0.25))
+        tread = replaced(TREAD, range=Range((1e-4, 1e10), None, misfit=rows))
+        count, at = 60, SCENE | {"velocity": V[::2]}
+        draws = tread.draws(count)
+        both = em.friction(draws, ROAD.draws(count, level=0.1, cutoff=0.1), **at)
+        found = both.uncertainty()
+        low, median, high = em.friction(draws, ROAD, **at).band()
+        np.testing.assert_allclose(
+            found["rubber"].share, 0.5 * (high - low) / median, rtol=1e-3
+        )
+        alone = {"road": {"cutoff": 0.1}, "road heights": {"level": 0.1}}
+        for source, error in alone.items():
+            drawn = em.friction(TREAD, ROAD.draws(count, **error), **at)
+            half = 1.96 * np.std(np.log(drawn.mu), axis=0)
+            np.testing.assert_allclose(found[source].share, half, rtol=0.25)
+        wide = np.exp(1.96 * 0.1)
+        ends = {
+            "road": [ROAD.ended(q) for q in (1e5 * wide, 1e5 / wide)],
+            "road heights": [ROAD.raised(np.exp(x * 0.1)) for x in (0.98, -0.98)],
+        }
+        mu = em.friction(TREAD, ROAD, **at).mu
+        stated = em.friction(TREAD, ROAD, **at).uncertainty(level=0.1, cutoff=0.1)
+        for source, changed in ends.items():
+            off = [em.friction(TREAD, road, **at).mu / mu - 1 for road in changed]
+            share = np.max(np.abs(off), axis=0)
+            for one in (found, stated):
+                np.testing.assert_allclose(one[source].share, share, rtol=2e-2)
+                assert mentions(one[source].assumed, "sigma")
+        left = 0.02 / (np.exp(0.98 * 0.1) - 1) * found["road heights"].share
+        np.testing.assert_allclose(found["road heights"].after, left, rtol=1e-6)
+        np.testing.assert_allclose(
+            found["model"].share, em.friction(TREAD, ROAD, **at).model_error / mu, 1e-3
+        )
+
+    def test_draws_of_the_road_alone_say_nothing_of_the_rubber(self):
+        drawn = em.friction(TREAD, ROAD.draws(3, cutoff=0.5), **SCENE)
+        found = drawn.uncertainty()
+        assert np.isnan(found["rubber"].share).all()
+        by_convention = em.friction(TREAD, ROAD, **SCENE).uncertainty()["road heights"]
+        np.testing.assert_allclose(
+            found["road heights"].share, by_convention.share, atol=1e-3
+        )
+
+    def test_the_shortest_wave_is_in_the_band_or_said_not_to_be(self):
+        def rests(road):
+            return dict(em.friction(TREAD, road, **SCENE).headline())["rests on"]
+
+        said = "shortest wave"
+        assert said in rests(ROAD)
+        assert said in rests(ROAD.draws(2, level=0.1))
+        assert said not in rests(ROAD.draws(2, level=0.1, cutoff=0.1))
+
+    def test_rolling_rests_on_its_parts(self):
+        cover = em.layer(TREAD, 5e-3)
+        at = {"velocity": [1.0, 3.0], "load": 1e3}
+        roller = em.Cylinder(0.05, 1.0)
+        curve = em.rolling(cover, roller, temperature=293.15, **at)
+        found = curve.uncertainty()
+        names = ["numerical", "model", "rubber", "temperature"]
+        assert [part.source for part in found] == names
+        ends = [
+            em.rolling(cover, roller, temperature=t, **at) for t in (292.15, 294.15)
+        ]
+        off = [end.coefficient / curve.coefficient - 1 for end in ends]
+        share = np.max(np.abs(off), axis=0)
+        np.testing.assert_allclose(found["temperature"].share, share, rtol=1e-2)
+        np.testing.assert_array_equal(found.value, curve.coefficient)
+        assert any(
+            "rolling resistance coefficient" in title for title in found.columns()
+        )
+        assert mentions(found["model"].test, "rolling resistance")
 
     def test_draws_are_the_part_of_the_rubber(self):
         curves = [

@@ -11,6 +11,7 @@ import pytest
 import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.material.validity import Range
+from elastomdr.trees import replaced
 
 from ..refused import refused
 
@@ -66,6 +67,21 @@ def test_what_no_fit_tells_is_not_known():
     assert np.isnan(found.places[1].uncertainty)
     assert found.places[0].significant is None
     assert "not known whether significant" in found.summary()
+
+
+def test_beyond_the_data_of_either_nothing_is_significant():
+    measured = rubber("high", 1.5, 0.05)
+    narrow = replaced(measured, range=measured.range._replace(omega=(1e-3, 10.0)))
+    for pair in (
+        (narrow, rubber("low", 1.0, 0.05)),
+        (rubber("low", 1.0, 0.05), narrow),
+    ):
+        with pytest.warns(em.ExtrapolationWarning):
+            one = curve(*pair)
+        first, _ = one.ranking(velocity=V[1]).places
+        assert first.ahead > first.uncertainty
+        assert first.significant is None
+        assert "not known whether significant" in first.words()
 
 
 def test_a_point_without_an_answer_is_last():

@@ -491,7 +491,7 @@ UNITS = {  # of each quantity, whatever the result
         "adhesion after area area_ratio asperity asperity_share boundary coefficient cold "
         "creepage error fill friction hysteresis knudsen linear model_error mu mu_high mu_low outside "
         "ratio restitution road_share rolling rubber share slip spread squeeze stick strain "
-        "trapped_error trapped_share viscous work_factor zone_ratio"
+        "trapped_error trapped_share value viscous work_factor zone_ratio"
     ),
     "m^2": "contact_area",
     "": "converged extrapolated follows other_states percolates stuck touching",

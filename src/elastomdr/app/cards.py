@@ -117,9 +117,7 @@ def cards(
         shown.append(Card(f"And {more} more {curve}", "", notes))
     table = _known(result) if parts is None else parts
     table = table.at([top.place_in_result for top in tops])
-    most = [(float(np.max(part.share)), part) for part in table]
-    most.sort(key=lambda each: -np.nan_to_num(each[0], nan=-1.0))
-    notes = [f"{p.source} {percent(share)}: {p.assumed}" for share, p in most]
+    notes = [f"{p.source} {percent(x)}: {p.assumed}" for x, p in table.largest()]
     notes += [*_counted(result), *[AWAITED] * awaited]
     tests = (spoken(each.words()) for each in table.surer())
     ways = [f"{way[0].upper()}{way[1:]}." for way in tests]

@@ -87,14 +87,14 @@ class Done:
     @property
     def judges(self) -> bool:
         """Whether there is more to know of its uncertainty, which takes some time."""
-        can = isinstance(self.result, em.FrictionCurve)
+        can = isinstance(self.result, em.FrictionCurve | em.RollingCurve)
         several = can and bool(self.result.origins) and not self.result.drawn
         return can and not several and self.parts is None and self.seconds < _JUDGED
 
     def judge(self) -> None:
         """Computes what its uncertainty consists of."""
         with quiet():  # of points that are not shown
-            self.parts = self.result.uncertainty()
+            self.parts = decoded(self.verb, self.content).judged(self.result)
 
     @property
     def curve(self) -> Any:

@@ -16,7 +16,7 @@ from ..arrays import one_thread
 from ..errors import Heard, InputError, heard, warn
 from ..material.validity import Draws
 from ..progress_bar import counted
-from ..results.base import Result, distinct
+from ..results.base import Again, Result, distinct
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -81,7 +81,14 @@ def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
                 f"{len(material)} draws of {material.name or 'the material'}"
             )
             drawn = (draws_in_words, material.words)
-        return _packed(_computed(calls, names, drawn), names, drawn)
+        results = _computed(calls, names, drawn)
+        again: Any = getattr(results[0], "again", None)
+        if (
+            isinstance(material, Draws) and again is not None
+        ):  # of what they are draws of
+            road = getattr(shape, "errors", None), getattr(shape, "of", None)
+            again = again.of(material.of, *road)
+        return _packed(results, names, drawn, again)
 
     return wrapper
 
@@ -139,10 +146,15 @@ def _alike(calls: list[functools.partial[R]], error: InputError) -> bool:
     return True
 
 
-def _packed(results: list[Any], names: list[str], drawn: tuple[str, str] | None) -> Any:
+def _packed(
+    results: list[Any],
+    names: list[str],
+    drawn: tuple[str, str] | None,
+    again: Again | None,
+) -> Any:
     """One result with a first axis `material`, or all plans."""
     if isinstance(results[0], Result):
-        return results[0].stack(results, names, drawn)
+        return results[0].stack(results, names, drawn, again)
     if drawn is None:
         return Plans(results, distinct(names))
     return Plans(results[:1], [f"one of {drawn[0]}"])
@@ -154,7 +166,7 @@ def _beside(surfaces: Draws[Any], material: Any) -> Draws[Any]:
     """
     if not isinstance(material, (list, tuple)):
         words = f"{surfaces.name}: {surfaces.words}"
-        return Draws([material] * len(surfaces), getattr(material, "name", ""), words)
+        return Draws([material] * len(surfaces), material, words)
     if not isinstance(material, Draws) or len(material) != len(surfaces):
         raise InputError(
             argument="material",
@@ -162,9 +174,8 @@ def _beside(surfaces: Draws[Any], material: Any) -> Draws[Any]:
             accepted=f"one material, or {len(surfaces)} draws of one, as many draws "
             "as shape has of its surface",
         )
-    return Draws(
-        material, material.name, f"{material.words}; {surfaces.name}: {surfaces.words}"
-    )
+    words = f"{material.words}; {surfaces.name}: {surfaces.words}"
+    return Draws(material, material.of, words)
 
 
 def _warn_once(caught: list[tuple[str, Heard]], most: int) -> None:

@@ -186,8 +186,8 @@ class SurfaceTable(Table, tag_field="shape"):
         cutoff: upper cutoff in place of that of the shape; beyond its last wave C goes on
             as its last power law
         heights: factor on all heights
-        level_error: relative standard deviation of C, with uncertainty
-        cutoff_error: relative standard deviation of the upper cutoff, with uncertainty
+        level_error: relative standard deviation of C, for what friction rests on
+        cutoff_error: relative standard deviation of the upper cutoff, likewise
     """
 
     equivalent_length: EquivalentLength | None = None
@@ -213,7 +213,7 @@ class SurfaceTable(Table, tag_field="shape"):
 
     def drawn(self, folder: Path, count: int | None) -> Any:
         """The surface, where no line of it is asked for, or so many draws of it where
-        its errors are given.
+        its errors are given: None for none, 0 where errors mean nothing.
         """
         for key in given(self, *_OF_LINE):
             raise InputError(
@@ -223,16 +223,18 @@ class SurfaceTable(Table, tag_field="shape"):
                 hint="it belongs to elastomdr slide",
             )
         surface = self.changed(folder)
-        errors = given(self, "level_error", "cutoff_error")
-        if not errors:
-            return surface
-        if count is None:
+        errors = self.errors()
+        if errors and count == 0:
             raise InputError(
-                argument="level_error" if "level_error" in errors else "cutoff_error",
-                accepted="left out without uncertainty, the number of draws",
+                argument=f"{next(iter(errors))}_error",
+                accepted="left out but for elastomdr friction",
             )
-        sizes = {name.removesuffix("_error"): size for name, size in errors.items()}
-        return surface.draws(count, seed=1, **sizes)
+        return surface.draws(count, seed=1, **errors) if errors and count else surface
+
+    def errors(self) -> dict[str, float]:
+        """How well the surface is known, in the words of its `draws`."""
+        stated = given(self, "level_error", "cutoff_error")
+        return {name.removesuffix("_error"): size for name, size in stated.items()}
 
     def line(self, folder: Path) -> tuple[Any, float]:
         """One line of the surface, and the length that turns a pressure into its load

@@ -57,8 +57,9 @@ def run(options: argparse.Namespace) -> int:
                 if beside is not None:
                     results.append(em.rolling(**beside))
                     more.append(f"{path.stem}-rolling")
-                if getattr(options, "uncertainty", False):
-                    results.append(results[0].uncertainty())
+                parted = getattr(options, "uncertainty", False)
+                if parted:
+                    results.append(scene.judged(results[0]))
                     more.append(f"{stem}-uncertainty")
             outcomes = [scene.outcome(results[0]), *results[1:]]
         notes = _notes(path, scene)
@@ -80,7 +81,10 @@ def run(options: argparse.Namespace) -> int:
         if options.verbose:
             said = [scene.title, *(each.summary() for each in outcomes)]
         else:
-            said = [aligned(outcomes[0].headline()), *map(_in_two, results[1:])]
+            lines = [*outcomes[0].headline()]
+            if parted:  # all but the largest value of the curve
+                lines[1:] = outcomes.pop().headline()
+            said = [aligned(lines), *map(_in_two, outcomes[1:])]
         print(*filter(None, [*said, sentence]), sep="\n")
         print(f"wrote     {', '.join(str(folder / name) for name in files)}")
     return DONE if all(r.converged.all() for r in results) else NOT_CONVERGED
@@ -92,9 +96,7 @@ def aligned(pairs: Iterable[tuple[str, str]]) -> str:
 
 
 def _in_two(result: "Result") -> str:
-    """What is printed of a result beside the first: its largest value and its doubts;
-    of an uncertainty the band and what would narrow it most.
-    """
+    """What is printed of a result beside the first: its largest value and doubts."""
     largest, *_, doubts = result.headline()
     return aligned([largest, doubts])
 

@@ -495,10 +495,8 @@ def calibrated(
             factor = 10 ** found.parameters["heights"]
             road["heights"] = road.get("heights", 1.0) * factor
         for key, (name, decades) in _ERRORS.items():
-            if key in road and name in found.std:
+            if name in found.std:
                 road[key] = found.std[name] * decades
-            if "uncertainty" not in content:  # they are refused without draws
-                road.pop(key, None)
     if (law := found.adhesion) is not None and not law.typical:
         content["adhesion"] = {
             "stress": f"{float(law.stress)!r} Pa",

@@ -237,8 +237,14 @@ class Scene(Table):
 
     def of_surface(self, surface: SurfaceTable, folder: Path) -> Arguments:
         """What the call takes of a [surface]."""
-        draws = getattr(self, "uncertainty", None)
+        alone = not hasattr(self, "compare")  # else several materials
+        draws = getattr(self, "uncertainty", 0) if alone else 0
         return {self.rough: surface.drawn(folder, draws)}
+
+    def judged(self, result: Any) -> Any:
+        """What the result rests on, with what is stated of its road."""
+        surface = getattr(self, "surface", None)
+        return result.uncertainty(**(surface.errors() if surface else {}))
 
     def arguments(self, folder: Path) -> Arguments:
         """The arguments of that function, in SI units, those of its tables among them;
@@ -296,7 +302,7 @@ class OfBodies(Scene):
         several = len(rubbers) > 1
         if self.layer is not None:
             with named("[layer]"):
-                rubbers = made(rubbers, [self.layer.on_base(each) for each in rubbers])
+                rubbers = made(rubbers, self.layer.on_base)
         if self.other is not None:
             if several:
                 raise InputError(
@@ -313,11 +319,11 @@ class OfBodies(Scene):
         )
 
 
-def made(of: list[Any], parts: list[Any]) -> list[Any]:
-    """What was made of each material, still draws where these are."""
+def made(of: list[Any], make: Callable[[Any], Any]) -> list[Any]:
+    """What is made of each material, still draws where these are."""
     from ..material.validity import Draws
 
-    return Draws(parts, of.name, of.words) if isinstance(of, Draws) else parts
+    return of.made(make) if isinstance(of, Draws) else [make(each) for each in of]
 
 
 def load(folder: Path, key: str, name: str) -> Any:

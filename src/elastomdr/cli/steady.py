@@ -108,18 +108,21 @@ class OfDraws(OfBodies):
         materials = super().rubbers(folder)
         if self.uncertainty is None:
             return materials
-        if len(materials) > 1 or self.other is not None:
+        several = len(materials) > 1 or self.other is not None
+        road: Any = getattr(self, "surface", None)
+        if (
+            road
+            and road.errors()
+            and not several
+            and not getattr(materials[0].range, "misfit", ())
+        ):
+            return materials  # draws of the road alone
+        if several or not isinstance(materials[0], em.Prony):
             raise InputError(
                 argument="uncertainty",
                 got=self.uncertainty,
-                accepted="left out but for a single material, without other",
-            )
-        if not isinstance(materials[0], em.Prony):
-            raise InputError(
-                argument="uncertainty",
-                got=self.uncertainty,
-                accepted="left out with a material that is a table of moduli",
-                hint="it has no draws",
+                accepted="left out but for a single material, a series, without other",
+                hint="what else is given has no draws",
             )
         with of_key("uncertainty", "count"):
             return materials[0].draws(self.uncertainty)

@@ -37,6 +37,7 @@ from ..material.validity import (
     check_draws,
     misfit_bands,
     root_of,
+    without_misfit,
 )
 from ..notebook_tables import html_image, html_page, html_table
 from ..progress_bar import reporter
@@ -203,7 +204,8 @@ def draws(fit: MaterialFit, n: int, seed: int) -> Draws[Prony]:
     words = "spectrum" + (
         "" if fit.material.shift is None or fit.master.given else " and shift factors"
     )
-    return Draws(each, fit.material.name, f"{words}, as the fit leaves them open")
+    words = f"{words}, as the fit leaves them open"
+    return Draws(each, without_misfit(fit.material), words)
 
 
 def _shifts(fit: MaterialFit, log10_a: np.ndarray, rng: np.random.Generator) -> Any:

@@ -10,7 +10,7 @@ such as the shift factors, a file does not record.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias, TypeVar
 
 import numpy as np
@@ -18,6 +18,7 @@ import numpy as np
 from ..arrays import xp
 from ..checks import Array, is_traced, significant, whole_number
 from ..errors import InputError
+from ..results.base import NOT_STATED, RoadErrors
 from ..trees import replaced
 
 if TYPE_CHECKING:
@@ -329,16 +330,31 @@ def _near(
 
 
 class Draws(list[T]):
-    """Draws of one material or of one surface, with its name and, in words, what they
-    were drawn from.
+    """Draws of one material or of one surface, `of` which they are, in words from what
+    they were drawn and, of a surface, how well it is known.
     """
 
-    def __init__(self, each: Iterable[T], name: str, words: str):
+    def __init__(
+        self,
+        each: Iterable[T],
+        of: T,
+        words: str,
+        errors: RoadErrors = NOT_STATED,
+    ):
         super().__init__(each)
-        self.name, self.words = name, words
+        self.of, self.words, self.errors = of, words, errors
+
+    @property
+    def name(self) -> str:
+        """That of the material, or what kind of surface it is."""
+        return getattr(self.of, "name", "") or getattr(self.of, "label", "")
+
+    def made(self, make: Callable[[T], T]) -> Draws[T]:
+        """Draws of what is made of each."""
+        return Draws(map(make, self), make(self.of), self.words, self.errors)
 
     def __reduce__(self) -> Any:
-        return type(self), (list(self), self.name, self.words)
+        return type(self), (list(self), self.of, self.words, self.errors)
 
 
 def check_draws(n: object, seed: object) -> None:
@@ -372,11 +388,8 @@ def drawn_from_misfit(material: S, n: int, seed: int) -> Draws[S]:
     )
     changes = deviations @ by_moduli(material, omega).T
     materials = [changed(material, change, i) for i, change in enumerate(changes, 1)]
-    return Draws(
-        materials,
-        material.name,
-        "recorded misfit to its data; shift factors as they are",
-    )
+    words = "recorded misfit to its data; shift factors as they are"
+    return Draws(materials, without_misfit(material), words)
 
 
 def root_of(covariance: np.ndarray) -> np.ndarray:
@@ -404,18 +417,21 @@ def by_moduli(material: Series, omega: np.ndarray) -> np.ndarray:
 
 
 def changed(material: S, change: np.ndarray, number: int) -> S:
-    """A draw: equilibrium and moduli times exp(change).
-
-    It has no misfit, which would otherwise be counted twice: among the draws, and in
-    the error of each.
-    """
+    """A draw: equilibrium and moduli times exp(change)."""
     factors = np.exp(change)
-    known = None if material.range is None else material.range._replace(misfit=())
     name = f"draw {number} of {material.name}" if material.name else f"draw {number}"
     return replaced(
-        material,
+        without_misfit(material),
         equilibrium=np.asarray(material.equilibrium * factors[0]),
         moduli=material.moduli * factors[1:],
         name=name,
-        range=known,
     )
+
+
+def without_misfit(material: S) -> S:
+    """The material without its misfit, which would be counted twice beside draws: among
+    them, and in the error of each.
+    """
+    if material.range is None:
+        return material
+    return replaced(material, range=material.range._replace(misfit=()))

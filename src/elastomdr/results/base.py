@@ -27,6 +27,7 @@ Doubts of its numbers are data (`results/doubts.py`), said once and in one place
 import dataclasses
 import importlib
 import io
+import math
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -143,6 +144,8 @@ _EXTRAPOLATED = Quantity(
     "None where the range of the material is not known",
     path="extrapolated",
 )
+# standard deviations on both sides that hold 95 %
+_NORMAL = 1.96
 # relative bound of a model from which on it is a doubt
 WIDE = 0.5
 
@@ -178,14 +181,34 @@ class Assumed(NamedTuple):
     high: Change
 
 
-class Judged(Protocol):
-    """A coefficient that has doubts."""
+class RoadErrors(NamedTuple):
+    """How well a road is known: relative standard deviations, log-normal; 0 where that
+    is not stated.
+    """
 
-    @property
-    def mu(self) -> Array: ...
-    def examined(self) -> Iterator[Doubt]:
-        """All doubts that were looked for."""
-        ...
+    level: float = 0.0  # of C, the same at all wave numbers
+    cutoff: float = 0.0  # of its upper cutoff
+
+    def words(self) -> str:
+        """What is stated."""
+        return " and ".join(x.says for x in (self.heights(), self.end()) if x)
+
+    def heights(self) -> Assumed | None:
+        """The ends of 95 % of its heights."""
+        factor = math.exp(0.5 * _NORMAL * self.level)
+        says = f"C to +- {self.level:.2g} (one sigma)"
+        ends = Change(higher=factor), Change(higher=1 / factor)
+        return Assumed(says, *ends) if self.level else None
+
+    def end(self) -> Assumed | None:
+        """The ends of 95 % of its shortest wave."""
+        factor = math.exp(_NORMAL * self.cutoff)
+        says = f"its upper cutoff to +- {self.cutoff:.2g} (one sigma)"
+        ends = Change(shorter=factor), Change(shorter=1 / factor)
+        return Assumed(says, *ends) if self.cutoff else None
+
+
+NOT_STATED = RoadErrors()
 
 
 class Again(Protocol):
@@ -197,11 +220,27 @@ class Again(Protocol):
         ...
 
     @property
+    def material(self) -> object:
+        """The rubber, as the verb was given it."""
+        ...
+
+    @property
     def bands(self) -> list[Assumed | None]:
         """What is typical and not measured of shear law and heat."""
         ...
 
-    def curve(self, change: Change) -> Judged | None:
+    @property
+    def errors(self) -> RoadErrors:
+        """How well the road is known, where that was stated."""
+        ...
+
+    def of(
+        self, material: object, errors: RoadErrors | None = None, road: object = None
+    ) -> "Again":
+        """The call of another material, and of a road of which the errors are stated."""
+        ...
+
+    def curve(self, change: Change) -> "Result | None":
         """The curve with one thing changed; None where that has no answer."""
         ...
 
@@ -247,6 +286,8 @@ class Result:
     plan: Any = setting()
     # the call once more, where a verb has one (`Again`); likewise
     again: Again | tuple[Again | None, ...] | None = setting(default=None)
+    # of draws the call of what they are draws of
+    once: Again | None = setting(default=None)
     # name and value of each argument, in words
     inputs: tuple[tuple[str, str], ...] = setting()
     # the materials along the first axis, if that is theirs
@@ -411,6 +452,7 @@ class Result:
         results: Sequence[Self],
         names: Sequence[str],
         drawn: tuple[str, str] | None = None,
+        once: Again | None = None,
     ) -> Self:
         """Joins results of the same call for several materials along a new first axis,
         "material".
@@ -422,6 +464,7 @@ class Result:
                 (2)".
             drawn: where they are draws of one material, which, and what differs, in
                 words.
+            once: the call of what they are draws of.
 
         Raises `InputError`.
         """
@@ -449,6 +492,7 @@ class Result:
             "model": "; ".join(dict.fromkeys(r.model for r in results)),
             "plan": tuple(r.plan for r in results),
             "again": tuple(r.again for r in results),
+            "once": once,
             "inputs": tuple(_joined_inputs(results, unique, drawn).items()),
             "origins": origins,
             "drawn": drawn is not None,
@@ -530,7 +574,7 @@ class Result:
         return dataclasses.replace(
             _median(self),
             plan=plan,
-            again=self.again[0] if isinstance(self.again, tuple) else self.again,
+            again=self.once,
             origins=(),
             drawn=False,
             marks=_of_draws(self.marks),
@@ -554,8 +598,8 @@ class Result:
         kind, said, top = one.extremes(np.arange(np.size(one.converged)))
         yield kind, said
         if top is not None:
-            spread = next(self._spread())[1] if self.drawn else one._sure(top)
-            yield "how sure", "95 % of the draws: " * self.drawn + spread
+            drawn = (f"{name}: {said}; each " for name, said in self._spread())
+            yield "how sure", "".join(drawn if self.drawn else ()) + one._sure(top)
         yield "rests on", "; ".join(filter(None, one._rests_on(top or 0)))
         yield "doubts", counted_kinds(self.doubts) or "none"
 

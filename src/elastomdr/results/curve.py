@@ -4,6 +4,7 @@ sliding return; and the ranking of the materials of a friction curve.
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -20,12 +21,13 @@ from ..files import as_path, csv_text, write_files
 from ..linear_update import narrowed
 from .axes import Quantity
 from .base import (
+    NOT_STATED,
     AbstractPoints,
     Again,
     Array,
     Assumed,
     Change,
-    Judged,
+    RoadErrors,
     part,
     quantity,
     record,
@@ -40,7 +42,7 @@ from .uncertainty import (
     FITTED,
     HEIGHTS,
     KELVIN,
-    MEASURED,
+    KNOWN,
     SHEAR,
     STRESS,
     Part,
@@ -222,6 +224,118 @@ class AbstractCurve(AbstractPoints):
             return f"{there} there: no bound on the model ({computed})"
         return f"{there} there ({computed}, model {significant(share * bound, 2)} %)"
 
+    def uncertainty(self, *, level: float = 0.0, cutoff: float = 0.0) -> Uncertainty:
+        """What the coefficient rests on, part by part: numerical, model, rubber, road,
+        shear law, temperature; how much of it each may change, and which tests would
+        make it surer.
+
+        By convention the shortest wave of a road is changed by a factor of two each
+        way, its heights by 10 % or, of a scan, its spectrum by two standard errors, the
+        shear stress by 20 %, the temperature by 1 K; presets of `em.AdhesiveShear` and
+        `em.Heat` are changed within their bands. The coefficient is computed again for
+        each, so that this takes up to eleven times as long as the curve. What a few
+        measured points would leave is the linear update of shortest wave and shear
+        law; where it has no prediction nothing is narrowed, and the bound of the model
+        only where they are measured. Of draws each part is apart from the others: the
+        rubber's is half of the interval of 95 % of its draws, on the road as it is.
+
+        Args:
+            level: relative standard deviation of C, whose 95 % take the place of the
+                convention for the heights; by default that of draws of the road.
+            cutoff: the same of its upper cutoff, for the shortest wave.
+
+        Raises `InputError` for several materials that are no draws.
+        """
+        if not self.origins:
+            one, call = self, self._call
+            if call is not None and (level or cutoff):
+                errors = RoadErrors(level, cutoff)
+                one = dataclasses.replace(self, again=call.of(call.material, errors))
+            return Uncertainty.of(one._parts(), self, self.doubts)
+        if not self.drawn:
+            raise InputError(
+                argument="material",
+                got=list(self.materials),
+                accepted="one for an uncertainty",
+                hint="choose it by .select(name)",
+            )
+        parts = self._of_draws()
+        return Uncertainty.of(parts, self.typical(), self.band().doubts)
+
+    def _of_draws(self) -> Iterator[Part]:
+        """The parts of draws: of what they are draws of, and what the rubber's change."""
+        every = self.again if isinstance(self.again, tuple) else ()
+        rubbers = [None if each is None else each.material for each in every]
+        one, of_rubber, call = next(self.each_material()), self, self.once
+        once = None if call is None else call.curve(Change())
+        if call is not None and isinstance(once, AbstractCurve):
+            one = dataclasses.replace(once, again=call)
+            if all(each is call.material for each in rubbers):
+                yield from one._parts()
+                return
+            if any(call.errors):  # which the draws hold, too
+                again = (call.of(each).curve(Change()) for each in rubbers)
+                curves = [curve for curve in again if isinstance(curve, AbstractCurve)]
+                of_rubber = once.stack(curves, [""] * len(curves), ("", ""))
+        low, median, high = of_rubber.band()
+        share = 0.5 * (high - low) / np.abs(median)
+        said = f"95 % of {len(self.origins)} draws"
+        test = "a fit of four times as many measurements"
+        drawn = Part("rubber", share, said, test, 0.5 * share)
+        yield from (drawn if p.source == "rubber" else p for p in one._parts())
+
+    def _parts(self) -> Iterator[Part]:
+        """The parts, with what a few measured points leave."""
+        parts, shown = [*self._rows()], self._shown()
+        lost = unforetold(self.examined(), shown) | ~np.isfinite(shown)
+        told = self._measured
+        slopes = [np.where(lost, np.nan, p.after) for p in parts if p.test == told]
+        left, there = narrowed(np.array(slopes), EACH)
+        places = "; ".join(map(self._place, np.flatnonzero(there).tolist()))
+        test = f"{told}, at {places}" if places else told
+        for each in parts:
+            if each.test == told:
+                after = left * each.share
+                if each.source == "model":  # which is not known better elsewhere
+                    after = np.where(there, np.fmin(each.share, EACH), each.share)
+                each = each._replace(test=test, after=after)
+            yield each
+
+    def _rows(self) -> Iterator[Part]:
+        """The parts; of those that measured points narrow, the slope in place of what
+        these leave.
+        """
+        shown = np.asarray(self._shown(), dtype=float)
+        yield from computed(self, shown, self.error, self._bound(), self._measured)
+        if self.extrapolated is not None and np.any(self.extrapolated):
+            nothing = np.where(self.extrapolated, np.nan, 0.0)
+            test = "moduli measured over one more decade at each end"
+            yield Part("rubber beyond its data", nothing, "not measured", test, nothing)
+        yield from self._further()
+
+    def _part(self, source: str, off: Assumed, test: str, left: float) -> Part:
+        """What is stated or assumed, with the share of it that the test leaves."""
+        call, shown = self._call, np.asarray(self._shown(), dtype=float)
+        ends = [None if call is None else call.curve(change) for change in off[1:]]
+        share, slope, lost = changed(shown, self.examined(), ends)
+        after = slope if test == self._measured else left * share
+        return Part(source, share, off.says + lost, test, after)
+
+    @property
+    def _measured(self) -> str:
+        """The test that tells how far the model is off."""
+        return f"3 points of measured {self.title.lower()}, each to {percent(EACH)}"
+
+    def _bound(self) -> Array:
+        """The bound of the model."""
+        return 0.0 * self.error if self.model_error is None else self.model_error
+
+    def _further(self) -> Iterator[Part]:
+        """The parts that are computed once more."""
+        if self.temperature is not None:
+            test = "the temperature of the rubber measured to 0.3 K"
+            yield self._part("temperature", KELVIN, test, 0.3)
+
     def _ends(self) -> tuple[Array, Array]:
         """The band around the coefficient, which is not negative: bodies that slide or
         roll steadily on their own lose energy.
@@ -363,7 +477,8 @@ class FrictionCurve(AbstractCurve):
             left_out.append(
                 f"the shear law ({significant(100 * share, 2)} % of mu there)"
             )
-        if self.pressure is not None:
+        drawn = self._call is not None and self._call.errors.cutoff > 0
+        if self.pressure is not None and not drawn:
             left_out.append("the shortest wave of the surface")
         if left_out:
             yield f"not in the band: {', '.join(left_out)}"
@@ -385,110 +500,42 @@ class FrictionCurve(AbstractCurve):
         doubts = carried(self.examined(), np.ravel, failed=True)
         return gridded(_gridded_fields(self), doubts)
 
-    def _once_more(self, change: Change) -> Judged | None:
-        """The curve with one thing changed; None where it cannot be computed."""
-        return None if self._call is None else self._call.curve(change)
+    def _bound(self) -> Array:
+        if self.mu_low is None or self.mu_high is None:
+            return super()._bound()
+        return np.maximum(self.mu_high - self.mu, self.mu - self.mu_low) - self.error
 
-    def uncertainty(self) -> Uncertainty:
-        """What mu rests on, part by part: numerical, model, rubber, road, shear law,
-        temperature; how much of mu each may change, and which tests would make it surer.
-
-        By convention the shortest wave of a road is changed by a factor of two each
-        way, its heights by 10 % or, of a scan, its spectrum by two standard errors, the
-        shear stress by 20 %, the temperature by 1 K; presets of `em.AdhesiveShear` and
-        `em.Heat` are changed within their bands. mu is computed again for each, so that
-        this takes up to eleven times as long as the curve. What a few points of
-        measured friction would leave is the linear update of shortest wave and shear
-        law; where it has no prediction nothing is narrowed, and the bound of the model
-        only where they are measured. Of draws the rubber's part is half of the interval
-        of 95 % of them, the others are those of the first draw.
-        Raises `InputError` for several materials that are no draws.
-        """
-        if not self.origins:
-            return Uncertainty.of(self._parts(), self, self.doubts)
-        if not self.drawn:
-            raise InputError(
-                argument="material",
-                got=list(self.materials),
-                accepted="one for an uncertainty",
-                hint="choose it by .select(name)",
-            )
-        low, median, high = self.band()
-        share = 0.5 * (high - low) / np.abs(median)
-        said = f"95 % of {len(self.origins)} draws"
-        test = "a fit of four times as many measurements"
-        drawn = Part("rubber", share, said, test, 0.5 * share)
-        parts = next(self.each_material())._parts()
-        return Uncertainty.of(
-            (drawn if part.source == "rubber" else part for part in parts),
-            self.typical(),
-            self.band().doubts,
-        )
-
-    def _parts(self) -> Iterator[Part]:
-        """The parts, with what measured friction leaves."""
-        parts = [*self._rows()]
-        lost = unforetold(self.examined(), self.mu) | ~np.isfinite(self.mu)
-        slopes = [np.where(lost, np.nan, p.after) for p in parts if p.test == MEASURED]
-        left, there = narrowed(np.array(slopes), EACH)
-        places = "; ".join(map(self._place, np.flatnonzero(there).tolist()))
-        test = f"{MEASURED}, at {places}" if places else MEASURED
-        for each in parts:
-            if each.test == MEASURED:
-                after = left * each.share
-                if each.source == "model":  # which is not known better elsewhere
-                    after = np.where(there, np.fmin(each.share, EACH), each.share)
-                each = each._replace(test=test, after=after)
-            yield each
-
-    def _rows(self) -> Iterator[Part]:
-        """The parts; of those that measured friction narrows, the slope of mu in place
-        of what that leaves.
-        """
-        mu = np.asarray(self.mu, dtype=float)
-        bound, told = self.model_error, tuple(self.examined())
-        if self.mu_low is not None and self.mu_high is not None:
-            bound = np.maximum(self.mu_high - mu, mu - self.mu_low) - self.error
-        bound = 0.0 * mu if bound is None else bound
-        yield from computed(self, mu, self.error, bound, MEASURED)
-
-        def part(source: str, off: Assumed, test: str, left: float) -> Part:
-            curves = [self._once_more(change) for change in off[1:]]
-            share, slope, lost = changed(mu, told, curves)
-            after = slope if test == MEASURED else left * share
-            return Part(source, share, off.says + lost, test, after)
-
-        if self.extrapolated is not None and np.any(self.extrapolated):
-            nothing = np.where(self.extrapolated, np.nan, 0.0)
-            test = "moduli measured over one more decade at each end"
-            yield Part("rubber beyond its data", nothing, "not measured", test, nothing)
-        call = self._call
-        shear, heat = (None, None) if call is None else call.bands
+    def _further(self) -> Iterator[Part]:
+        call, bands, errors = self._call, [None, None], NOT_STATED
+        if call is not None:
+            bands, errors = call.bands, call.errors
+        shear, heat = bands
+        level = errors.heights()
         if self.pressure is not None:
-            yield part("road", FACTOR, MEASURED, 0.0)
-            if call is not None and call.measured:
+            yield self._part("road", errors.end() or FACTOR, self._measured, 0.0)
+            if level is None and call is not None and call.measured:
                 test = "a scan of four times the area"
-                yield part("road sampling", ERRORS, test, 0.5)
+                yield self._part("road sampling", ERRORS, test, 0.5)
             else:
-                test = "a scan of the road, its heights known to 2 %"
-                yield part("road heights", HEIGHTS, test, 0.2)
+                level = level or HEIGHTS
+                left = min(KNOWN / (level.low.higher - 1), 1.0)
+                test = f"a scan of the road, its heights known to {percent(KNOWN)}"
+                yield self._part("road heights", level, test, left)
         if self.adhesion is not None:
             shear = shear or STRESS
-            of_mu = percent(np.nanmean(np.asarray(self.adhesion) / mu).item())
+            of_mu = percent(np.nanmean(np.asarray(self.adhesion) / self.mu).item())
             shear = shear._replace(
                 says=f"{shear.says}; it makes {of_mu} of mu on average"
             )
-            yield part("shear law", shear, MEASURED, 0.0)
+            yield self._part("shear law", shear, self._measured, 0.0)
         elif self.pressure is not None:
-            yield unknown("shear law", mu, "no shear of the real contact", SHEAR)
+            yield unknown("shear law", self.mu, "no shear of the real contact", SHEAR)
         if heat is not None:
             test = (
                 "conductivity and heat capacity measured, to a quarter of their bands"
             )
-            yield part("heat", heat, test, 0.25)
-        if self.temperature is not None:
-            test = "the temperature of the rubber measured to 0.3 K"
-            yield part("temperature", KELVIN, test, 0.3)
+            yield self._part("heat", heat, test, 0.25)
+        yield from super()._further()
 
     @in_si
     def ranking(
@@ -620,7 +667,7 @@ class Ranking:
     measured moduli, no more: the error of the model is common to all materials and left
     out. The difference of two neighbours is significant where it exceeds the root of
     the sum of the squares of both. Of a material whose fit has no record, such as an
-    illustrative one, it is not known.
+    illustrative one, and beyond the data of either it is not known.
     """
 
     places: tuple[Ranked, ...]
@@ -767,7 +814,9 @@ def _led(places: list[Ranked]) -> Iterator[Ranked]:
         if place is not None and following is not None:
             ahead = place.mu - following.mu
             both = np.hypot(place.uncertainty, following.uncertainty)
-            sure = bool(ahead > both) if np.isfinite(both + ahead) else None
+            kinds = {doubt.kind for doubt in (*place.doubts, *following.doubts)}
+            known = np.isfinite(both + ahead) and "extrapolated" not in kinds
+            sure = bool(ahead > both) if known else None
             yield place._replace(ahead=ahead, significant=sure)
         elif place is not None:
             yield place

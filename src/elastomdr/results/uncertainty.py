@@ -1,4 +1,4 @@
-"""What a friction coefficient rests on, part by part: how much of it each part may
+"""What a coefficient rests on, part by part: how much of it each part may
 change, and which test would narrow the band, by how much.
 
 Numerical error and bound of the model are those of the curve. What else was not stated
@@ -17,7 +17,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ..checks import percent, shares_in_words
+from ..checks import SEEN, percent, shares_in_words, significant
 from ..errors import Advised, InputError
 from ..linear_update import relative
 from .axes import Axis, Quantity, dimensions
@@ -26,13 +26,12 @@ from .base import (
     Array,
     Assumed,
     Change,
-    Judged,
     Result,
     quantity,
     record,
     setting,
 )
-from .doubts import Doubt, carried, where
+from .doubts import Doubt, carried, counted_kinds, where
 
 # the input of a result that tells what a fit misses
 FITTED = "material against its data"
@@ -49,8 +48,8 @@ ERRORS = Assumed(
 STRESS = Assumed("shear stress off by 20 %", Change(stress=1.2), Change(stress=0.8))
 KELVIN = Assumed("off by 1 K", Change(kelvin=1.0), Change(kelvin=-1.0))
 SMALL = 0.02  # share of the band that a test must take away to be named
-EACH = 0.05  # how well measured friction is known, relative
-MEASURED = "3 points of measured friction, each to 5 %"
+EACH = 0.05  # how well a measured coefficient is known, relative
+KNOWN = 0.02  # how well a scan of the road knows its heights, relative
 # the argument, the key of a scene and, as data, the field of the page
 DRAWS = "draws of a fit in place of the material: " + Advised.of(
     ("em.fit.material(...).draws(n), uncertainty of a scene", {"uncertainty": ""})
@@ -61,12 +60,12 @@ SHEAR = "a shear law where the road is dry: " + Advised.of(
 
 
 class Part(NamedTuple):
-    """One part of what a number rests on; shares are relative to mu, at each point, and
+    """One part of what a number rests on; shares are relative to it, at each point, and
     NaN where they are not known.
     """
 
     source: str  # "numerical", "model", "rubber", "road", "shear law", "temperature"
-    share: np.ndarray  # how much of mu it may change
+    share: np.ndarray  # how much of the number it may change
     assumed: str  # what has been taken for it
     test: str  # what would lower it
     after: np.ndarray  # share that the test leaves
@@ -95,24 +94,25 @@ class Surer(NamedTuple):
 
 @record
 class Uncertainty(AbstractPoints):
-    """What `FrictionCurve.uncertainty` returns: parts, to go through or take by name; the
-    first axis of every field runs over them, the others are the points of the curve.
+    """What `curve.uncertainty()` returns: parts, to go through or take by name; the first
+    axis of every field runs over them, the others are the points of the curve.
     """
 
-    mu: Array = quantity("friction coefficient", "-")
+    value: Array = quantity("value", "-")
     share: Array = quantity(
-        "share", "-", "of mu, how much the part may change it; NaN: not known"
+        "share", "-", "of the value, how much the part may change it; NaN: not known"
     )
-    after: Array = quantity("share after the test", "-", "of mu; NaN: not known")
-    error: Array = quantity("estimated error of mu", "-")
+    after: Array = quantity("share after the test", "-", "of the value; NaN: not known")
+    error: Array = quantity("estimated error", "-")
+    about: Quantity = setting()  # what the value is of
     sources: tuple[str, ...] = setting()  # names of the parts
     assumed: tuple[str, ...] = setting()
     tests: tuple[str, ...] = setting()
 
-    title: ClassVar[str] = "What friction rests on"
+    title: ClassVar[str] = "What a number rests on"
     figure: ClassVar[str] = "plot_curves.draw_parts"
     shows: ClassVar[str] = "share"
-    error_of: ClassVar[str] = "mu"
+    error_of: ClassVar[str] = "the value"
 
     @classmethod
     def of(
@@ -125,7 +125,7 @@ class Uncertainty(AbstractPoints):
             velocity=getattr(result, "velocity", np.array(np.nan)),
             temperature=getattr(result, "temperature", None),
             pressure=getattr(result, "pressure", None),
-            mu=getattr(result, result.shows),
+            value=getattr(result, result.shows),
             error=result.error,
             model_error=getattr(result, "model_error", None),
             converged=np.broadcast_to(result.converged, share.shape),
@@ -135,6 +135,7 @@ class Uncertainty(AbstractPoints):
             model=result.model,
             plan=result.plan,
             inputs=result.inputs,
+            about=next(q for q in result.quantities() if q.path == result.shows),
             sources=sources,
             assumed=assumed,
             tests=tests,
@@ -143,6 +144,13 @@ class Uncertainty(AbstractPoints):
     def examined(self) -> Iterator[Doubt]:
         """Those of the curve, at its points."""
         yield from self.marks
+
+    def describe(self, q: Quantity) -> Quantity:
+        """The value is of the quantity that it is about."""
+        if q.path not in ("value", "error", "model_error"):
+            return q
+        label = self.about.label if q.path == "value" else q.label
+        return q._replace(label=label, unit=self.about.unit)
 
     def fields(self, dims: str | None = "...") -> dict[Quantity, np.ndarray]:
         """As of every result, each of the shape of the shares."""
@@ -197,7 +205,7 @@ class Uncertainty(AbstractPoints):
         """The tests that would narrow the band, the one that would most first; then
         those of parts that are not known. Points that did not converge are left out.
         """
-        good = np.isfinite(np.broadcast_to(self.mu, self.share.shape)[0])
+        good = np.isfinite(np.broadcast_to(self.value, self.share.shape)[0])
         tests: list[Surer] = []
         before = float(np.max(self.half_band()[good], initial=0.0))
         for test in dict.fromkeys(self.tests):
@@ -212,21 +220,34 @@ class Uncertainty(AbstractPoints):
                 tests.append(Surer(test, before, after))
         return tuple(sorted(tests, key=lambda each: np.nan_to_num(each.after, nan=1e9)))
 
+    def largest(self) -> list[tuple[float, Part]]:
+        """The parts with their largest share, the largest first, unknown ones last."""
+        parts = [(float(np.max(part.share)), part) for part in self]
+        return sorted(parts, key=lambda each: -np.nan_to_num(each[0], nan=-1.0))
+
     def headline(self) -> Iterator[tuple[str, str]]:
-        """The band with what is not in it, and the test that would narrow it most."""
+        """What a command prints below the largest value: the band there and its parts,
+        what these rest on with what is not in the band and the test that would narrow
+        it most, and the doubts.
+        """
         left_out = [part.source for part in self if np.isnan(part.share).any()]
-        known = shares_in_words(self.half_band())
-        yield (
-            "band",
-            f"{known}, without {' and '.join(left_out)}" if left_out else known,
-        )
-        yield "surer", "".join(each.words() for each in self.surer()[:1])
+        one = self.at([int(np.nan_to_num(self.value, nan=-1.0).argmax())])
+        value, half = float(one.value[0, 0]), float(one.half_band()[0])
+        ends = [significant(max(value * (1 + x), 0.0), 3) for x in (-half, half)]
+        there = "not known" if np.isnan(value * half) else " to ".join(ends)
+        parts = (f"{p.source} {percent(x)}" for x, p in one.largest() if x >= SEEN)
+        yield "how sure", f"{there} there: {', '.join(parts)}"
+        rests = [dict(self.inputs).get("material", ""), self.short_model()]
+        rests += [f"not in the band: {', '.join(left_out)}"] if left_out else []
+        rests += [f"surer: {each.words()}" for each in self.surer()[:1]]
+        yield "rests on", "; ".join(filter(None, rests))
+        yield "doubts", counted_kinds(self.doubts) or "none"
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """What the curve was computed of, the parts, the band, the tests, the doubts."""
         yield from self.inputs
         yield from ((f"part, {part.source}", part.words()) for part in self)
-        yield next(self.headline())
+        yield "band", shares_in_words(self.half_band())
         yield from (("surer", each.words()) for each in self.surer())
         yield from ((doubt.kind, doubt.words()) for doubt in self.doubts)
 
@@ -241,11 +262,18 @@ def computed(
     size = np.where(np.asarray(value) == 0, 1.0, np.abs(value))
     none = np.zeros(size.shape)
     said, closer = "error of the computation", "a smaller rtol"
-    if FITTED in dict(result.inputs):
+    given = dict(result.inputs)
+    if FITTED in given:
         said, closer = f"{said} and misfit of the rubber", "the moduli as a table"
+    if "drawn" in given:  # a median, whose error holds them
+        said, closer = f"{said} and 95 % of the draws", closer
     yield Part("numerical", np.asarray(error) / size, said, closer, none)
     yield Part(
-        "model", np.asarray(bound) / size, "its bound, or limits of mu", test, none
+        "model",
+        np.asarray(bound) / size,
+        "its bound, or limits where it has none",
+        test,
+        none,
     )
     yield unknown("rubber", none, "not computed", DRAWS)
     if getattr(result, "temperature", None) is None:
@@ -261,18 +289,18 @@ def unknown(source: str, value: Array, assumed: str, test: str) -> Part:
 
 
 def changed(
-    mu: np.ndarray, told: Iterable[Doubt], curves: list[Judged | None]
+    shown: np.ndarray, told: Iterable[Doubt], curves: list[Result | None]
 ) -> tuple[np.ndarray, np.ndarray, str]:
-    """The larger change of mu, up or down, relative, NaN where one is not known; half
-    of the difference, with its sign; and in words where one has no prediction though
-    the doubts that were `told` are others.
+    """The larger change of what is shown, up or down, relative, NaN where one is not
+    known; half of the difference, with its sign; and in words where one has no
+    prediction though the doubts that were `told` are others.
     """
-    lost = np.zeros(mu.shape, bool)
+    lost = np.zeros(shown.shape, bool)
     for curve in filter(None, curves):
-        lost |= unforetold(curve.examined(), mu)
-    lost &= ~unforetold(told, mu)
-    ends = [np.nan if curve is None else np.asarray(curve.mu) for curve in curves]
-    off = relative(mu, ends)
+        lost |= unforetold(curve.examined(), shown)
+    lost &= ~unforetold(told, shown)
+    ends = [np.nan if c is None else np.asarray(getattr(c, c.shows)) for c in curves]
+    off = relative(shown, ends)
     count = f"; then no prediction at {int(lost.sum())} of {lost.size} points"
     return *off, count if lost.any() else ""
 

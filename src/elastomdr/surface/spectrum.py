@@ -52,6 +52,7 @@ from ..checks import (
 )
 from ..errors import InputError, closest
 from ..material.validity import Draws, check_draws
+from ..results.base import RoadErrors
 from ..results.words import length_in_words
 from ..trees import Tree, fill, static
 from .lay import Lay, lay_of
@@ -230,13 +231,8 @@ class AbstractSpectrum(Tree):
         surfaces = [
             self.raised(a**0.5).ended(max(self.q_high * b, lowest)) for a, b in factors
         ]
-        deviations = {"C": sizes[0], "its upper cutoff": sizes[1]}
-        words = " and ".join(
-            f"{name} to +- {size:.2g} (one sigma)"
-            for name, size in deviations.items()
-            if size
-        )
-        return Draws(surfaces, self.label, words)
+        errors = RoadErrors(*sizes.tolist())
+        return Draws(surfaces, self, errors.words(), errors)
 
     def plot(
         self, axes: Sequence[Axes] | None = None, seed: int = 0

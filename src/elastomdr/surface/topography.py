@@ -988,7 +988,7 @@ class MeasuredSurface(AbstractSpectrum):
         ]
         varied = "skewness" if self.lay is None else "skewness and Peklenik number"
         words = f"{surfaces.words}, {varied} within their sampling errors"
-        return Draws(each, surfaces.name, words)
+        return Draws(each, self, words, surfaces.errors)
 
     def __repr__(self) -> str:
         return f"MeasuredSurface({self.words()}; {'; '.join(self.report)})"

@@ -17,7 +17,7 @@ from ..errors import InputError, quiet
 from ..material.relaxation import scaled
 from ..models import Line, as_model
 from ..progress_bar import reporter
-from ..results.base import Assumed, Change
+from ..results.base import NOT_STATED, Assumed, Change, RoadErrors
 from ..results.curve import AbstractCurve, FrictionCurve
 from ..results.words import in_words
 from ..rough.adhesion import AdhesiveShear, check_adhesion, on_contact
@@ -49,8 +49,8 @@ class CallAgain:
 
     call: RoughCall | SmoothCall
     adhesion: AdhesiveShear | None
-    # None where nobody asks for uncertainties, as of rolling
-    solve: Callable[[Any, AdhesiveShear | None], FrictionCurve] | None
+    solve: Callable[[Any, AdhesiveShear | None], AbstractCurve]
+    errors: RoadErrors = NOT_STATED  # that were stated
 
     @property
     def measured(self) -> bool:
@@ -59,12 +59,25 @@ class CallAgain:
         return isinstance(surface, MeasuredSurface)
 
     @property
+    def material(self) -> object:
+        """The rubber, as the verb was given it."""
+        return self.call.material
+
+    @property
     def bands(self) -> list[Assumed | None]:
         """What is typical and not measured of shear law and heat."""
         heat: Heat | None = getattr(self.call, "heat", None)
         return [law and law.band() for law in (self.adhesion, heat)]
 
-    def curve(self, change: Change) -> FrictionCurve | None:
+    def of(
+        self, material: object, errors: RoadErrors | None = None, road: object = None
+    ) -> CallAgain:
+        """The call of another material, and of a road of which the errors are stated."""
+        new = {"material": material} | ({} if road is None else {"surface": road})
+        call: Any = dataclasses.replace(self.call, **new)
+        return dataclasses.replace(self, call=call, errors=errors or self.errors)
+
+    def curve(self, change: Change) -> AbstractCurve | None:
         """The curve with one thing changed; None where that has no answer, as beyond a
         shift law, or where the shortest wave would be longer than the longest.
         """
@@ -134,11 +147,10 @@ def _altered(surface: Any, change: Change) -> Any:
 
 @numpy_unless_traced
 def _once_more(
-    solve: Callable[[Any, AdhesiveShear | None], FrictionCurve] | None,
+    solve: Callable[[Any, AdhesiveShear | None], AbstractCurve],
     call: RoughCall | SmoothCall,
     adhesion: AdhesiveShear | None,
-) -> FrictionCurve:
-    assert solve is not None
+) -> AbstractCurve:
     return solve(call, adhesion)
 
 
@@ -152,8 +164,8 @@ def _on_road(
 def repeatable(
     curve: Curve,
     call: RoughCall | SmoothCall,
-    adhesion: AdhesiveShear | None = None,
-    solve: Callable[[Any, AdhesiveShear | None], FrictionCurve] | None = None,
+    adhesion: AdhesiveShear | None,
+    solve: Callable[[Any, AdhesiveShear | None], AbstractCurve],
 ) -> Curve:
     """The curve of a call, with the call itself unless JAX traces it."""
     if is_traced(curve.error):

@@ -17,6 +17,7 @@ from .steady import in_64_bits_where, needs_layer, steady_contact
 if TYPE_CHECKING:
     from .._types import ArrayLike
     from ..call.types import Indenter, Materials, ModelLike
+    from ..rough.adhesion import AdhesiveShear
 
 
 @over_materials
@@ -55,14 +56,17 @@ def rolling(
     solid: Any = material  # `over_materials` has taken a list apart
     asked = Asked(velocity, load, depth, pressure, temperature)
     call = SmoothCall("rolling", solid, shape, asked, model, rtol)
-    contact = steady_contact(call)
-    solution, radius = contact.solution, shape.rolling_radius
-    assert radius is not None  # refused above
-    curve = RollingCurve(
+    return repeatable(_rolled(call), call, None, _rolled)
+
+
+def _rolled(call: SmoothCall, _: AdhesiveShear | None = None) -> RollingCurve:
+    contact, radius = steady_contact(call), call.shape.rolling_radius
+    solution = contact.solution
+    assert radius is not None  # refused before
+    return RollingCurve(
         coefficient=solution.mu,
         resistance=solution.friction_force,
         moment=solution.friction_force * radius,
         power=solution.friction_force * solution.velocity,
         **contact.common_fields(),
     )
-    return repeatable(curve, call)
