@@ -3,6 +3,7 @@ from that call.
 """
 
 import dataclasses
+import warnings
 from typing import Any
 
 import jax
@@ -322,8 +323,19 @@ class TestUncertainty:
         assert 0 < curve.extrapolated.sum() < V.size
         unknown = np.where(curve.extrapolated, np.nan, 0.0)
         np.testing.assert_array_equal(beyond.share, unknown)
+        with warnings.catch_warnings(action="ignore"):
+            wide = em.friction(rubber(range={"omega": (0.1, 1e5)}), ROAD, **scene)
+            last = em.friction(rubber(range={"omega": (1.0, 1e2)}), ROAD, **scene)
+        left = np.where(wide.extrapolated, np.nan, 0.0)
+        np.testing.assert_array_equal(beyond.after, left)
+        (test,) = (each for each in found.surer() if each.test == beyond.test)
+        assert (test.lost, test.left) == (np.isnan(unknown).sum(), np.isnan(left).sum())
+        assert test.left < test.lost
+        found = last.uncertainty()
         (test,) = (each for each in found.surer() if each.test == beyond.test)
         assert np.isnan(test.after)
+        assert 0 < test.left < test.lost
+        assert mentions(test.words(), test.lost, test.left)
         measured = rubber(range={"omega": (1e-3, 1e12)})
         sources = [p.source for p in em.friction(measured, ROAD, **scene).uncertainty()]
         assert "rubber beyond its data" not in sources

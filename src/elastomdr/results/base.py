@@ -169,6 +169,7 @@ class Change(NamedTuple):
     higher: float = 1.0  # factor on its heights
     sampled: float = 0.0  # standard errors by which its measured spectrum is off
     kelvin: float = 0.0  # by which the rubber is warmer
+    wider: float = 1.0  # factor on the range of its moduli, at each end
     stress: float = 1.0  # factor on the shear stress
     conducts: int | None = None  # as `Heat.at_end`
 

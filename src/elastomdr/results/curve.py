@@ -45,6 +45,7 @@ from .uncertainty import (
     KNOWN,
     SHEAR,
     STRESS,
+    WIDER,
     Part,
     Uncertainty,
     changed,
@@ -308,9 +309,14 @@ class AbstractCurve(AbstractPoints):
         shown = np.asarray(self._shown(), dtype=float)
         yield from computed(self, shown, self.error, self._bound(), self._measured)
         if self.extrapolated is not None and np.any(self.extrapolated):
-            nothing = np.where(self.extrapolated, np.nan, 0.0)
+            curve = None if self._call is None else self._call.curve(WIDER)
+            left = self if curve is None else curve
+            share, after = (
+                np.where(np.asarray(x.extrapolated, bool), np.nan, 0.0)
+                for x in (self, left)
+            )
             test = "moduli measured over one more decade at each end"
-            yield Part("rubber beyond its data", nothing, "not measured", test, nothing)
+            yield Part("rubber beyond its data", share, "not measured", test, after)
         yield from self._further()
 
     def _part(self, source: str, off: Assumed, test: str, left: float) -> Part:

@@ -46,6 +46,7 @@ ERRORS = Assumed(
     Change(sampled=-2.0),
 )
 STRESS = Assumed("shear stress off by 20 %", Change(stress=1.2), Change(stress=0.8))
+WIDER = Change(wider=10.0)
 KELVIN = Assumed("off by 1 K", Change(kelvin=1.0), Change(kelvin=-1.0))
 SMALL = 0.02  # share of the band that a test must take away to be named
 EACH = 0.05  # how well a measured coefficient is known, relative
@@ -79,16 +80,22 @@ class Part(NamedTuple):
 
 
 class Surer(NamedTuple):
-    """A test, and what it does to the band where that is widest, relative to mu."""
+    """A test, and what it does to the band where that is widest, relative to the
+    number; and at how many points something is not known before and after it.
+    """
 
     test: str
     before: float
     after: float  # NaN where that is not known
+    lost: int = 0
+    left: int = 0
 
     def words(self) -> str:
-        """The test and the band before and after it."""
-        if np.isnan(self.after):
+        """The test, and the band or the points before and after it."""
+        if self.lost and self.lost == self.left:
             return self.test + "; by how much is not known"
+        if self.lost:
+            return f"{self.test}: not known at {self.lost} points, then at {self.left}"
         return self.test + f": band {percent(self.before)}, then {percent(self.after)}"
 
 
@@ -209,15 +216,16 @@ class Uncertainty(AbstractPoints):
         tests: list[Surer] = []
         before = float(np.max(self.half_band()[good], initial=0.0))
         for test in dict.fromkeys(self.tests):
-            told = np.isfinite([part.after[good] for part in self if part.test == test])
-            after = (
-                np.max(self.half_band(test)[good], initial=0.0)
-                if told.all()
-                else np.nan
+            parts = [part for part in self if part.test == test]
+            lost, left = (
+                int(np.isnan([x[good] for x in shares]).any(axis=0).sum())
+                for shares in ([p.share for p in parts], [p.after for p in parts])
             )
+            after = np.max(self.half_band(test)[good], initial=0.0)
+            after = np.nan if left else float(after)
             lower = after < (np.inf if np.isnan(before) else before * (1 - SMALL))
-            if lower or not told.all():
-                tests.append(Surer(test, before, after))
+            if lower or lost:
+                tests.append(Surer(test, before, after, lost, left))
         return tuple(sorted(tests, key=lambda each: np.nan_to_num(each.after, nan=1e9)))
 
     def largest(self) -> list[tuple[float, Part]]:

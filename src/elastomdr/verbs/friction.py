@@ -36,6 +36,7 @@ from .steady import in_64_bits_where, steady_contact
 if TYPE_CHECKING:
     from .._types import ArrayLike, Branch, Number
     from ..call.types import Indenter, Materials, ModelLike, Surface
+    from ..material.validity import Range
     from ..results.plot_contacts import SteadyElements
 
 
@@ -85,6 +86,11 @@ class CallAgain:
         if change.kelvin:
             warmer = np.asarray(asked.temperature, dtype=float) + change.kelvin
             asked = dataclasses.replace(asked, temperature=warmer)
+        known: Range | None = getattr(call.material, "range", None)
+        if change.wider != 1 and known is not None and known.omega:
+            ends = known.omega[0] / change.wider, known.omega[1] * change.wider
+            wide: Any = replaced(call.material, range=known._replace(omega=ends))
+            call = dataclasses.replace(call, material=wide)
         if adhesion is not None:
             adhesion = replaced(adhesion, stress=adhesion.stress * change.stress)
         given = {"asked": asked, "rtol": max(call.rtol, _ROUGHLY)}
