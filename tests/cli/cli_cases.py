@@ -54,6 +54,14 @@ BAD_SCENES = {
     "unknown table": (("[numerics]", "[numeric]"), "Did you mean 'numerics'"),
     "unknown key in a table": (("load =", "laod ="), "Did you mean 'load'"),
     "unknown key in velocity": (("points", "point"), "Did you mean 'points'"),
+    "temperature below a table": (
+        ("load =", 'temperature = "20 degC"\nload ='),
+        "It stands at the top of the file",
+    ),
+    "key of a table at the top": (
+        ('title = "Slider"', 'velocity = "1 m/s"'),
+        "It stands in [contact]",
+    ),
     "key of another shape": (
         ('radius = "5 mm"', 'radius = "5 mm"\nlength = "1 m"'),
         "[indenter] length must be a key that is known",

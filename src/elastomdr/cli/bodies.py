@@ -319,6 +319,10 @@ class SelfAffineTable(SurfaceTable, tag="self_affine"):
         return em.SelfAffine(self.hurst, **self._wave_numbers(), **heights)
 
 
+# of how the file of a spectrum is read
+_OF_TABLE = ("wave_number", "q_unit", "c_unit", "columns", "longest", "shortest")
+
+
 class SpectrumTable(SurfaceTable, tag="spectrum"):
     """A surface by its power spectrum, a table of wave numbers and C.
 
@@ -350,9 +354,7 @@ class SpectrumTable(SurfaceTable, tag="spectrum"):
 
     def __post_init__(self) -> None:
         only_one(self, "q", "file")
-        options = given(
-            self, "wave_number", "q_unit", "c_unit", "columns", "longest", "shortest"
-        )
+        options = given(self, *_OF_TABLE)
         if self.q is not None and (options or self.c is None):
             raise InputError(
                 argument=next(iter(options), "c"),
@@ -365,12 +367,11 @@ class SpectrumTable(SurfaceTable, tag="spectrum"):
     def make(self, folder: Path) -> Any:
         if self.q is not None and self.c is not None:
             return em.Spectrum(self.q, self.c, convention=self.convention)
-        options = given(
-            self, "wave_number", "q_unit", "c_unit", "columns", "longest", "shortest"
-        )
         with path_from("file", folder, keys_of(type(self))):
             return em.read_spectrum(
-                folder / str(self.file), convention=self.convention, **options
+                folder / str(self.file),
+                convention=self.convention,
+                **given(self, *_OF_TABLE),
             )
 
 

@@ -76,12 +76,13 @@ class Program(Table, tag_field="program"):
         import numpy as np
 
         ((name, sizes),) = given(self, "load", "depth").items()
-        time, values = self.course(np.asarray(sizes if len(sizes) > 1 else sizes[0]))
-        return {"time": time, name: values}
+        time, share = self.course()
+        size = sizes if len(sizes) > 1 else sizes[0]
+        return {"time": time, name: np.multiply.outer(size, share)}
 
     @abc.abstractmethod
-    def course(self, size: "np.ndarray") -> "tuple[np.ndarray, np.ndarray]":
-        """Instants, and the values at them for histories of the given size."""
+    def course(self) -> "tuple[np.ndarray, np.ndarray]":
+        """Instants, and the shares of the value that there are at them."""
 
 
 class Hold(Program, tag="hold"):
@@ -98,7 +99,7 @@ class Hold(Program, tag="hold"):
     rise: Pause | None = None
     spacing: Literal["log", "linear"] = "log"
 
-    def course(self, size: "np.ndarray") -> "tuple[np.ndarray, np.ndarray]":
+    def course(self) -> "tuple[np.ndarray, np.ndarray]":
         import numpy as np
 
         since = np.linspace(0, self.duration, self.points)
@@ -107,11 +108,11 @@ class Hold(Program, tag="hold"):
                 0.0, np.geomspace(1e-6 * self.duration, self.duration, self.points - 1)
             )
         if not self.rise:
-            return since, np.multiply.outer(size, np.ones(self.points))
+            return since, np.ones(self.points)
         time = np.concatenate(
             [np.linspace(0, self.rise, _RISE)[:-1], self.rise + since]
         )
-        return time, np.multiply.outer(size, np.minimum(time / self.rise, 1.0))
+        return time, np.minimum(time / self.rise, 1.0)
 
 
 class Ramp(Program, tag="ramp"):
@@ -123,11 +124,11 @@ class Ramp(Program, tag="ramp"):
 
     duration: Duration
 
-    def course(self, size: "np.ndarray") -> "tuple[np.ndarray, np.ndarray]":
+    def course(self) -> "tuple[np.ndarray, np.ndarray]":
         import numpy as np
 
         fraction = np.linspace(0, 1, self.points)
-        return fraction * self.duration, np.multiply.outer(size, fraction)
+        return fraction * self.duration, fraction
 
 
 class Triangle(Program, tag="triangle"):
@@ -143,7 +144,7 @@ class Triangle(Program, tag="triangle"):
     cycles: Cycles = 1
     rest: Pause | None = None
 
-    def course(self, size: "np.ndarray") -> "tuple[np.ndarray, np.ndarray]":
+    def course(self) -> "tuple[np.ndarray, np.ndarray]":
         import numpy as np
 
         kinks, heights = [0.0], [0.0]
@@ -155,7 +156,7 @@ class Triangle(Program, tag="triangle"):
                 kinks.append(start + self.duration + self.rest)
                 heights.append(0.0)
         time = np.union1d(kinks, np.linspace(0, kinks[-1], self.points))
-        return time, np.multiply.outer(size, np.interp(time, kinks, heights))
+        return time, np.interp(time, kinks, heights)
 
 
 class PointsTable(Table):
@@ -329,19 +330,21 @@ class Stage(Table):
     pressed: ClassVar[tuple[str, ...]] = ("load", "depth")
 
     def __post_init__(self) -> None:
-        if self.way is None and self.duration is None:
+        if self.way is None:
+            if self.duration is None:
+                accepted = "given, or a way with a velocity"
+                raise InputError(argument="duration", accepted=accepted)
+        elif not self.velocity:
+            raise InputError(
+                argument="velocity",
+                got=self.velocity,
+                accepted="given and not zero beside a way",
+            )
+        elif self.duration is not None:
             raise InputError(
                 argument="duration",
-                got=None,
-                accepted="given, or a way with a velocity",
-            )
-        if self.way is not None and (self.duration is not None or not self.velocity):
-            raise InputError(
-                argument="velocity" if not self.velocity else "duration",
-                got=self.duration if self.velocity else self.velocity,
-                accepted="left out beside a way with a velocity"
-                if self.velocity
-                else "given and not zero beside a way",
+                got=self.duration,
+                accepted="left out beside a way with a velocity",
             )
 
     def motion(self) -> tuple[float, float]:

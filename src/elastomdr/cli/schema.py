@@ -113,7 +113,10 @@ class Table(msgspec.Struct, metaclass=_TableType):
     """
 
     # keys looked for here that belong elsewhere, and what to do about them
-    of_others: ClassVar[dict[str, str]] = {}
+    of_others: ClassVar[dict[str, str]] = dict.fromkeys(
+        ("title", "material", "temperature", "measured"),
+        "It stands at the top of the file, above the first table.",
+    )
     aside: ClassVar[bool] = False  # whether its keys are no arguments of the call
 
     def arguments(self, folder: Path) -> "Arguments":
@@ -325,8 +328,16 @@ def _decoded_table(
     keys = keys_of(table)
     for key in [key for key in given if key not in keys]:
         name, valid = _name(place, table=True), [*([tag] if tag else []), *keys]
-        hint = _struct(table).of_others.get(key, "") or (
-            closest(str(key), valid) or f"Valid keys are {', '.join(valid)}."
+        homes = [
+            f"[{home}]"
+            for home, other in keys.items()
+            if any(key in keys_of(one) for one in other.tables)
+        ]
+        hint = f"It stands in {' or '.join(homes)}." if homes else ""
+        hint = (
+            hint
+            or _struct(table).of_others.get(key, "")
+            or (closest(str(key), valid) or f"Valid keys are {', '.join(valid)}.")
         )
         raise InputError(
             argument=f"{name} {key}".strip(),

@@ -62,7 +62,7 @@ class BodyContact(ContactTable):
     load: Several[Force] | None = None
     depth: Several[Length] | None = None
 
-    of_others: ClassVar[dict[str, str]] = {
+    of_others: ClassVar[dict[str, str]] = Table.of_others | {
         "pressure": (
             "A body is pressed on with a load or a depth; a nominal pressure is that "
             "of a [surface]."
