@@ -28,6 +28,18 @@ def sides(cover=FLAT, shares=SHARES):
     )
 
 
+def test_the_band_of_the_power_is_said():
+    """As far off as the coefficient is."""
+    carry, back = sides(em.layer(RUBBER, 6e-3))
+    at = {"velocity": [1.0, 4.0], "belt": 28.0, "goods": 120.0, "temperature": 293.15}
+    found = em.conveyor(carry, back, **at)
+    off = (found.error + found.model_error) / found.coefficient
+    low, high = (found.power[1] * (1 + x * off[1]) for x in (-1, 1))
+    assert high > 1.001 * low
+    said = dict(found.headline())["how sure"]
+    assert said.startswith(f"{low:.3g} to {high:.3g} there")
+
+
 def test_sum_over_the_idlers():
     """Every roll by itself, at its own load, counted per length of belt."""
     below, above = (em.springs(RUBBER, h, bonded=False) for h in (6e-3, 8e-3))

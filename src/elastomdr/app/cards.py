@@ -276,9 +276,8 @@ def _errors(result: Result) -> tuple[Any, Any]:
         return result.error * scale, bound * scale
     if isinstance(result, em.Reciprocating):
         return result.net_leak_error, np.nan
-    if isinstance(result, em.Conveyor):  # of the coefficient
-        scale = result.power / result.coefficient
-        return result.error * scale, bound * scale
+    if isinstance(result, em.Conveyor):  # its own are of the coefficient
+        return result.errors()
     return result.error, bound
 
 

@@ -35,6 +35,7 @@ from ..element.law import Foundation
 from ..element.layer import Layer
 from ..errors import InputError, warned_once
 from ..results.base import Result, quantity, record
+from ..results.curve import sure
 from ..results.doubts import Doubt, carried
 from ..results.words import brief, describe, in_words
 from ..surface.shapes import Cylinder
@@ -157,6 +158,14 @@ class Conveyor(Result):
         "belt",
         "goods",
     )
+
+    def errors(self) -> tuple[Array, Array]:
+        """Numerical error and bound of the model of the power [W/m]."""
+        scale = self.power / self.coefficient
+        return self.error * scale, self.model_error * scale
+
+    def _sure(self, i: int) -> str:
+        return sure(i, self.power, *self.errors())
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Least and largest power per kilometre, and where."""

@@ -210,20 +210,7 @@ class AbstractCurve(AbstractPoints):
 
     def _sure(self, i: int) -> str:
         """The band at a point, and what it consists of."""
-        value, error = (float(np.ravel(x)[i]) for x in (self._shown(), self.error))
-        share = 100 / abs(value) if value else np.nan
-        computed = f"computation {significant(share * error, 2)} %"
-        if self.model_error is None:
-            return f"{computed}, no error of the model"
-        bound = float(np.ravel(self.model_error)[i])
-        low, high = (float(np.ravel(x)[i]) for x in self._ends())
-        known = np.isfinite(low) and np.isfinite(high)
-        there = (
-            f"{significant(low, 3)} to {significant(high, 3)}" if known else "not known"
-        )
-        if not np.isfinite(bound):
-            return f"{there} there: no bound on the model ({computed})"
-        return f"{there} there ({computed}, model {significant(share * bound, 2)} %)"
+        return sure(i, self._shown(), self.error, self.model_error, self._ends())
 
     def uncertainty(self, *, level: float = 0.0, cutoff: float = 0.0) -> Uncertainty:
         """What the coefficient rests on, part by part: numerical, model, rubber, road,
@@ -333,7 +320,10 @@ class AbstractCurve(AbstractPoints):
         return f"3 points of measured {self.title.lower()}, each to {percent(EACH)}"
 
     def _bound(self) -> Array:
-        """The bound of the model."""
+        """The bound of the model, or what the limits leave for it."""
+        if (ends := self._ends()) is not None:
+            (low, high), shown = ends, self._shown()
+            return np.maximum(high - shown, shown - low) - self.error
         return 0.0 * self.error if self.model_error is None else self.model_error
 
     def _further(self) -> Iterator[Part]:
@@ -342,16 +332,39 @@ class AbstractCurve(AbstractPoints):
             test = "the temperature of the rubber measured to 0.3 K"
             yield self._part("temperature", KELVIN, test, 0.3)
 
-    def _ends(self) -> tuple[Array, Array]:
-        """The band around the coefficient, which is not negative: bodies that slide or
-        roll steadily on their own lose energy.
-        """
-        assert self.model_error is not None
-        shown, half = self._shown(), self.error + self.model_error
-        return np.maximum(shown - half, 0.0), shown + half
+    def _ends(self) -> tuple[Array, Array] | None:
+        """Limits that stand for the error and the bound of the model."""
+        return None
 
     def _shown(self) -> Array:
         return getattr(self, self.shows)
+
+
+def sure(
+    i: int,
+    shown: Array,
+    error: Array,
+    bound: Array | None = None,
+    ends: tuple[Array, Array] | None = None,
+) -> str:
+    """The band at a point, of both errors where it has no ends of its own, and what it
+    consists of; not negative: what slides or rolls steadily loses energy.
+    """
+    value, off = (float(np.ravel(x)[i]) for x in (shown, error))
+    share = 100 / abs(value) if value else np.nan
+    computed = f"computation {significant(share * off, 2)} %"
+    if bound is None:
+        return f"{computed}, no error of the model"
+    ends = (shown - error - bound, shown + error + bound) if ends is None else ends
+    model, low, high = (float(np.ravel(x)[i]) for x in (bound, *ends))
+    there = (
+        f"{significant(max(low, 0.0), 3)} to {significant(high, 3)}"
+        if np.isfinite(low) and np.isfinite(high)
+        else "not known"
+    )
+    if not np.isfinite(model):
+        return f"{there} there: no bound on the model ({computed})"
+    return f"{there} there ({computed}, model {significant(share * model, 2)} %)"
 
 
 @record
@@ -470,9 +483,9 @@ class FrictionCurve(AbstractCurve):
             return q._replace(label=f"{q.label} per {per}", unit=unit)
         return q
 
-    def _ends(self) -> tuple[Array, Array]:
+    def _ends(self) -> tuple[Array, Array] | None:
         if self.mu_low is None or self.mu_high is None:
-            return super()._ends()
+            return None
         return self.mu_low, self.mu_high
 
     def _rests_on(self, i: int) -> Iterator[str]:
@@ -505,11 +518,6 @@ class FrictionCurve(AbstractCurve):
             )
         doubts = carried(self.examined(), np.ravel, failed=True)
         return gridded(_gridded_fields(self), doubts)
-
-    def _bound(self) -> Array:
-        if self.mu_low is None or self.mu_high is None:
-            return super()._bound()
-        return np.maximum(self.mu_high - self.mu, self.mu - self.mu_low) - self.error
 
     def _further(self) -> Iterator[Part]:
         call, bands, errors = self._call, [None, None], NOT_STATED
@@ -822,8 +830,8 @@ def _led(places: list[Ranked]) -> Iterator[Ranked]:
             both = np.hypot(place.uncertainty, following.uncertainty)
             kinds = {doubt.kind for doubt in (*place.doubts, *following.doubts)}
             known = np.isfinite(both + ahead) and "extrapolated" not in kinds
-            sure = bool(ahead > both) if known else None
-            yield place._replace(ahead=ahead, significant=sure)
+            leads = bool(ahead > both) if known else None
+            yield place._replace(ahead=ahead, significant=leads)
         elif place is not None:
             yield place
 
