@@ -2,6 +2,9 @@
 as one curve with its band.
 """
 
+import tomllib
+import warnings
+
 import numpy as np
 import pytest
 
@@ -308,3 +311,43 @@ def test_a_scene_with_uncertainty(tmp_path, capsys):
         == 0
     )
     assert "draw 4, velocity 3" in capsys.readouterr().out
+
+
+LEAK = """[leak]
+pressure = "1 MPa"
+viscosity = "1 mPa s"
+length = "1 mm"
+pressure_drop = "0.1 MPa"
+"""
+
+
+def test_errors_of_a_road_that_nothing_takes_are_refused(tmp_path, capsys):
+    """A leak without draws, and a comparison, have no rows for them."""
+    path = tmp_path / "scene.toml"
+    head, contact = SCENE.replace("uncertainty = 4\n", "").split("[contact]")
+    for verb, text in (
+        ("leak", head.replace("MATERIAL", "epdm-70") + LEAK),
+        (
+            "compare",
+            head.replace('"MATERIAL"', '["epdm-70", "natural-rubber-like"]')
+            + f"[contact]{contact}",
+        ),
+    ):
+        path.write_text(text)
+        assert main([verb, str(path), "--out", str(tmp_path)]) == 2
+        assert "level_error" in capsys.readouterr().err
+
+
+def test_the_page_shows_the_draws_of_a_leak(tmp_path):
+    """Half of the interval of 95 %, in the error that is relative to the rate."""
+    pytest.importorskip("nicegui")
+    from elastomdr.app.scene import compute
+    from elastomdr.app.security import Folder
+
+    head = SCENE.replace("MATERIAL", "epdm-70").split("[contact]")[0]
+    with warnings.catch_warnings(action="ignore"):
+        done = compute("leak", tomllib.loads(head + LEAK), Folder(tmp_path))
+    low, median, high = done.result.band()
+    assert high > 2 * low
+    half = 0.5 * (high - low) / median
+    np.testing.assert_allclose(done.shown.error, half, rtol=1e-4)

@@ -80,9 +80,10 @@ class Done:
         result = self.result
         if not isinstance(result, Result) or not result.drawn:
             return result
-        low, _, high = result.band()
+        low, middle, high = result.band()
+        half = 0.5 * (high - low) / (middle if result.relative_bound else 1.0)
         typical = result.typical()
-        return dataclasses.replace(typical, error=typical.error + 0.5 * (high - low))
+        return dataclasses.replace(typical, error=typical.error + half)
 
     @property
     def judges(self) -> bool:

@@ -237,8 +237,8 @@ class Scene(Table):
 
     def of_surface(self, surface: SurfaceTable, folder: Path) -> Arguments:
         """What the call takes of a [surface]."""
-        alone = not hasattr(self, "compare")  # else several materials
-        draws = getattr(self, "uncertainty", 0) if alone else 0
+        judged = self.call == "friction" and not hasattr(self, "compare")
+        draws = getattr(self, "uncertainty", None) or (None if judged else 0)
         return {self.rough: surface.drawn(folder, draws)}
 
     def judged(self, result: Any) -> Any:

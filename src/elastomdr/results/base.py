@@ -599,7 +599,7 @@ class Result:
         kind, said, top = one.extremes(np.arange(np.size(one.converged)))
         yield kind, said
         if top is not None:
-            drawn = (f"{name}: {said}; each " for name, said in self._spread())
+            drawn = (f"{name}: {said}; each: " for name, said in self._spread())
             yield "how sure", "".join(drawn if self.drawn else ()) + one._sure(top)
         yield "rests on", "; ".join(filter(None, one._rests_on(top or 0)))
         yield "doubts", counted_kinds(self.doubts) or "none"
