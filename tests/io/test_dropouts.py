@@ -74,8 +74,11 @@ def test_dropouts_do_not_move_friction(places, value, words):
     with pytest.warns(FitWarning, match=words):
         got = em.read_surface(with_values(PROFILE, places, value), pixel_size=STEP)
     assert re.search(words, got.report[0])
-    # a bridge of 40 points changes the slopes of the tops
-    within = 0.04 if places == slice(100, 140) else 0.01
+    within = 0.01
+    if places == slice(100, 140):
+        # a bridge has no slopes of its own: it takes up to its share of the points over
+        # twice that of the real contact, an eighth, from the slope of the tops
+        within = 40 / 4096 / (2 * 0.125)
     assert friction(got) == pytest.approx(
         friction(em.read_surface(PROFILE, pixel_size=STEP)), rel=within
     )

@@ -230,9 +230,9 @@ def test_a_surface_with_worn_summits_has_a_wider_bound():
         top_slope(skewed.tops, found.area_ratio),
         np.sqrt(np.mean(skewed.tops**2)),
     )
-    added = np.expm1(0.3 * abs(at_contact) + 0.1 * at_all + 0.5 * skewed.skewness_error)
-    assert found.model_error > added * found.mu
-    assert even.model_error / even.mu < 0.5 * found.model_error / found.mu
+    added = 0.2 * abs(at_contact) + 0.05 * at_all + 0.25 * skewed.skewness_error
+    assert found.model_error > np.expm1(added) * found.mu
+    assert even.model_error / even.mu < 0.65 * found.model_error / found.mu
     # one number of one point, both ends of several
     assert re.search(r"has 0\.\d+ times the rms slope", found.summary())
     several = em.friction(rubber, skewed, velocity=0.1, pressure=[1e5, 1e6])

@@ -458,32 +458,6 @@ def test_white_noise_is_cut_off(synthetic):
     np.testing.assert_allclose(2 * np.pi / kept.q_high, 4.0)
 
 
-@in_steps_of_one
-@pytest.mark.parametrize("width", [1.0, 2.0])
-def test_what_the_instrument_blurs_is_cut_off(synthetic, width):
-    """A Gaussian blur lowers C by exp(-(q width)^2); what is kept has lost 20 % at
-    most.
-    """
-    for dimensions in (1, 2):
-        n = 4 * synthetic.POINTS[dimensions]
-        height = synthetic.heights(dimensions, n, 1.0, 0.7, 0.01, seed=3)
-        q = 2 * np.pi * np.fft.rfftfreq(n)
-        q = (
-            q
-            if dimensions == 1
-            else np.hypot(2 * np.pi * np.fft.fftfreq(n)[:, None], q)
-        )
-        blurred = np.fft.irfftn(
-            np.fft.rfftn(height) * np.exp(-0.5 * (q * width) ** 2),
-            height.shape,
-            range(dimensions),
-        )
-        part = blurred[(slice(0, n // 4),) * dimensions]
-        got = em.read_surface(0.1 * part / np.diff(part, axis=0).std(), pixel_size=1.0)
-        assert "they were not resolved" in got.report[0]
-        assert 0.03 < (got.q_high * width) ** 2 < 0.22
-
-
 def test_a_spectrum_that_ends_is_kept_to_its_end():
     height = isotropic_map(256)  # up to 64 waves, four steps
     n = np.fft.fft2(height)
@@ -492,7 +466,9 @@ def test_a_spectrum_that_ends_is_kept_to_its_end():
     )
     ended = np.fft.ifft2(np.where(k <= 30, n, 0)).real
     got = em.read_surface(1e-6 * ended, pixel_size=1e-5)
-    assert 24 < got.q_high * 256e-5 / (2 * np.pi) <= 30.1
+    # the window of the scan smears by a wave
+    assert 29 < got.q_high * 256e-5 / (2 * np.pi) < 32
+    assert got.lay is None
 
 
 @in_steps_of_one

@@ -30,7 +30,7 @@ from ..checks import (
     warn_unless,
 )
 from ..element.law import Foundation, TabulatedFoundation, surface_foundation
-from ..errors import InputError, amount
+from ..errors import InputError
 from ..material.shift import thermal_factors
 from ..material.validity import Range, misfit
 from ..models import named
@@ -71,11 +71,11 @@ _SOFTENED = "; moduli softened by the strain of each length scale"
 # log slope of the tops at the contact, of a model that follows it and of others, over
 # its rms at all shares, and over the standard error of the skewness:
 # benchmarks/skewed_roads.py
-_PER_TOP = {True: 0.3, False: 2.0}
-_PER_TOPS, _PER_SAMPLE = 0.1, 0.5
+_PER_TOP = {True: 0.2, False: 2.0}
+_PER_TOPS, _PER_SAMPLE = 0.05, 0.25
 # over `MeasuredSurface.flat` of the contact: of mu, and of the real contact, where
 # plateaus may be in contact as a whole
-_PER_FLAT = {False: 0.2, True: 1.5}
+_PER_FLAT = {False: 0.2, True: 1.0}
 # |ln(mu/mu_3D)| that a lay adds, over ln g and sqrt(-ln A): benchmarks/anisotropic.py
 _PER_LAY = 0.12
 _LAY_ERRORS = 2.0  # standard errors of a Peklenik number that a bound holds
@@ -92,6 +92,10 @@ _WIDE_BY_STRAIN = (
 _WIDE_BY_LAY = (
     "edges of contacts have directions of their own, which the lay of the waves does not "
     "tell: more real contact has less"
+)
+_WIDE_BY_END = (
+    "the map has slopes that its spectrum lacks, most at waves of less than four steps: "
+    "with `shortest` both end there"
 )
 _WIDE_BY_SHEAR = (
     "shear may take contact away, or press the rubber down where it climbs: measured "
@@ -228,8 +232,6 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
         foundation.range, outside, scene.temperature, scene.shape, answer.hottest()
     )
     marks += _too_much(scene, surface)
-    if getattr(surface, "unresolved", False) and not model.on_map(surface):
-        marks += (_unresolved(surface, scene.shape),)
     if softened is not None:
         marks += strained_beyond(softened, foundation.range, scene.shape)
     label = surface_in_words(surface)
@@ -398,6 +400,7 @@ def _judge(
         (strained.of_mu, _WIDE_BY_STRAIN),
         (mu * np.expm1(_of_tops(model, surface, area)), _wide_by_tops(model)),
         (mu * np.expm1(_of_lay(surface, area)), _WIDE_BY_LAY),
+        (mu * np.expm1(_of_left_out(surface, area)), _WIDE_BY_END),
         (
             turned.of_mu,
             _WIDE_BY_ERROR if curve.direction is not None else _WIDE_BY_MEAN,
@@ -420,17 +423,6 @@ def _judge(
         says = "; ".join([f"have {words} the friction coefficient", *reasons])
         doubts.append(Doubt(kind, points.reshape(curve.mu.shape), says))
     return tuple(doubts)
-
-
-def _unresolved(surface: AbstractSpectrum, shape: tuple[int, ...]) -> Doubt:
-    """That a surface has waves of its map left out, unasked."""
-    return Doubt(
-        "estimate",
-        np.ones(shape, dtype=bool),
-        f"are of waves longer than {amount(2 * np.pi / float(surface.q_high), 'm', 3)}: "
-        "shorter ones of the map were taken as not resolved",
-        "a `shortest` that the map resolves, or a finer map",
-    )
 
 
 def _of_shear(curve: FrictionCurve) -> Array | float:
@@ -939,6 +931,17 @@ def _of_tops(
     return whole + _PER_FLAT[of_area] * xp.maximum(top_slope(flat, area), 0.0)
 
 
+def _of_left_out(
+    surface: AbstractSpectrum, area: Array, of_area: bool = False
+) -> Array:
+    """Bound on |ln(mu/mu_3D)| by waves of a map that its spectrum lacks, or on that of
+    the real contact: friction is proportional to the rms slope, in full contact to its
+    square, contact to its reciprocal at most.
+    """
+    power = 1.0 if of_area else 1 + area
+    return xp.abs(getattr(surface, "left_out", 0.0)) * power
+
+
 def _of_lay(surface: AbstractSpectrum, area: Array) -> Array:
     """Bound on |ln(mu/mu_3D)| by what a lay does beside giving waves their directions,
     and on that of the real contact.
@@ -953,11 +956,12 @@ def _of_lay(surface: AbstractSpectrum, area: Array) -> Array:
 def bound_of_heights(
     model: SurfaceModel, surface: AbstractSpectrum, area: Array, of_area: bool
 ) -> Array:
-    """What tops and lay of a measured surface add to a relative bound, of friction or
-    of the real contact.
+    """What tops, lay and waves left out of a measured surface add to a relative bound,
+    of friction or of the real contact.
     """
-    of_tops = _of_tops(model, surface, area, of_area)
-    return xp.expm1(of_tops) + xp.expm1(_of_lay(surface, area))
+    of_tops = xp.expm1(_of_tops(model, surface, area, of_area))
+    of_tops = of_tops + xp.expm1(_of_left_out(surface, area, of_area))
+    return of_tops + xp.expm1(_of_lay(surface, area))
 
 
 def _model_error(

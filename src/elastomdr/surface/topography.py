@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from ..arrays import xp
 from ..checks import is_traced, scalar
 from ..errors import InputError, ModelWarning, amount, warn
 from ..material.validity import Draws
@@ -57,9 +58,7 @@ _TAPS, _SMEAR = np.array([-1, 0, 1]), np.array([1, 4, 1]) / 6
 # at H = 0.5
 _WHITE = -1.85
 _NOISE = 8.0  # C over the noise that is kept
-_STEEP = -6.0  # exponent of C below which an instrument did not resolve the waves
-# change of the exponent from band to band at which a spectrum ends at once
-_CLIFF = 2.5
+_REST = 1e-4  # share of the mean square slope that is left where a spectrum ends
 # Peklenik number from which there is a Python warning; skewness likewise, and how many
 # of its standard errors it must be
 _UNEQUAL = 1.2
@@ -149,7 +148,6 @@ class _Limit(NamedTuple):
     q: float
     reason: str = ""
     noisy: bool = False  # whether waves beyond are noise
-    blurred: bool = False  # whether waves beyond were not resolved
 
 
 class _Part(NamedTuple):
@@ -216,7 +214,10 @@ def surface(
     _warn_of_skewness(joined)
     lay, sentences = _directions(parts, fit)
     finest = max(parts, key=lambda part: part.highest)
-    tops, flat = _tops(widest, joined.error)
+    wide = [x for x in parts if x.waves.first <= _ALIKE * widest.waves.first]
+    tops, flat = np.mean([_tops(part, joined.error) for part in wide], axis=0)
+    spectrum = Spectrum(fit.q, fit.c, convention="2d")
+    cut = shortest is not None or finest.limit.noisy
     report += sentences
     report += [_NO_SHORTEST] if shortest is None else []
     return MeasuredSurface(
@@ -231,7 +232,7 @@ def surface(
         map=_only_map(parts, shortest is not None),
         tops=tops,
         flat=flat,
-        unresolved=shortest is None and finest.limit.blurred,
+        left_out=_left_out(finest, spectrum, cut),
     )
 
 
@@ -410,30 +411,23 @@ def _waves(scan: Scan) -> _Waves:
 
 
 def _limit(waves: _Waves, scan: Scan) -> _Limit:
-    """Four steps, or where noise or the blur of the instrument begins."""
+    """Four steps, or where noise begins, or where nothing is left."""
     nyquist = np.pi / max(scan.steps)
-    q, power, number = waves.banded(waves.first, nyquist, _NODES)
-    power = np.maximum(power, 1e-300)
-    resolved, blurred = _unblurred(q, power, number, waves.dimensions)
-    quiet = _above_noise(q, power, number, nyquist, waves.dimensions)
-    default = 2 * nyquist / _STEPS
-    limit = min(default, resolved, quiet)
-    wave = (
-        f"cut at a wavelength of {2 * np.pi / limit:.4g} m, unless `shortest` says "
-        "otherwise: the spectrum of"
-    )
-    if limit == default:
-        return _Limit(limit)
+    bands = waves.banded(waves.first, nyquist, _NODES)
+    quiet = _above_noise(*bands, nyquist, waves.dimensions)
+    order = np.argsort(waves.q)
+    square = np.cumsum((waves.copies * waves.power * waves.q**2)[order])
+    last = float(waves.q[order][np.searchsorted(square, (1 - _REST) * square[-1])])
+    last = max(last, 2 * waves.first)
+    limit = min(2 * nyquist / _STEPS, quiet, last)
+    cut = f"cut at a wavelength of {2 * np.pi / limit:.4g} m, unless `shortest` says "
     if limit == quiet:
-        return _Limit(
-            limit,
-            f"{wave} shorter waves flattens to white noise of the instrument",
-            noisy=True,
-        )
-    if not blurred:
-        return _Limit(limit, f"{wave} shorter waves ends at once")
-    words = "falls faster than that of any surface, they were not resolved"
-    return _Limit(limit, f"{wave} shorter waves {words}", blurred=True)
+        why = "otherwise: the spectrum of shorter waves flattens to white noise of the "
+        return _Limit(limit, f"{cut}{why}instrument", noisy=True)
+    if limit == last:
+        why = "otherwise: shorter waves hold no slope, or were not resolved"
+        return _Limit(limit, cut + why)
+    return _Limit(limit)
 
 
 def _above_noise(
@@ -446,7 +440,7 @@ def _above_noise(
     """The last wave number at which the power is well above the level that the shortest
     waves flatten to.
     """
-    octave = q > nyquist / 2
+    octave, power = q > nyquist / 2, np.maximum(power, 1e-300)
     if octave.sum() < 3:
         return np.inf
     exponent, error = _exponent(q[octave], power[octave], number[octave])
@@ -456,38 +450,6 @@ def _above_noise(
     noise = np.average(power[last], weights=number[last])
     above = int(np.cumprod(power > _NOISE * noise).sum())
     return float(q[above - 1]) if above > 3 else np.inf
-
-
-def _unblurred(
-    q: np.ndarray, power: np.ndarray, number: np.ndarray, dimensions: int
-) -> tuple[float, bool]:
-    """The last wave number before the spectrum falls faster than that of any surface,
-    and does not come back; whether a blur made it fall, not an end of the waves.
-
-    A Gaussian blur lowers C by 8 to 13 % at a quarter of the wave number from which on
-    C falls as q^-6. Where the spectrum ends at once, its end is taken.
-    """
-    local = np.diff(np.log(power)) / np.diff(np.log(q))  # exponents from band to band
-    # standard error of their differences
-    chance = np.sqrt(6 / number[1:-1]) / np.log(q[1] / q[0])
-    drop = np.diff(local)
-    # a band may hold both the last waves and what is beyond: of it with its neighbour
-    both = np.where(drop < -_CLIFF / 2, drop + np.append(drop[1:], 0.0), 0.0)
-    steep = np.minimum(drop, both / 2) < -_CLIFF - 3 * chance
-    ends = np.append(False, steep & (local[:-1] > _STEEP))
-    steepest = _STEEP + 2 - dimensions
-    # creases of a worn surface: a blur goes on falling faster, or ends in noise
-    least = max(steepest, local.min() + 2) - 1
-    creased = least < local[-1] < _WHITE * dimensions / 2
-    for i in range(q.size - 3):
-        four = slice(i, i + 4)
-        exponent, error = _exponent(q[four], power[four], number[four])
-        if exponent + 2 * error < steepest and power[i + 3 :].max() == power[i + 3]:
-            last = i + np.flatnonzero(ends[i : i + 3])
-            if last.size:
-                return float(q[last[0]]), False
-            return (np.inf if creased else float(np.sqrt(q[i] * q[i + 3]) / 4)), True
-    return np.inf, False
 
 
 def _exponent(
@@ -532,7 +494,7 @@ def _fitted(parts: Sequence[_Part]) -> _Fit:
             mean = contributions.sum(axis=1)  # E
             slope = np.einsum("bt,btn->bn", contributions, hats) / mean[:, None]
             curvature = curvature + slope.T * number @ slope
-            ascent = ascent + slope.T @ (number * np.clip(power / mean - 1, -1, 3))
+            ascent = ascent + slope.T @ (number * (power / mean - 1))
         change = np.linalg.solve(curvature, ascent)
         log_c = log_c + change * min(1, 1.5 / np.abs(change).max())
         if np.abs(change).max() < 1e-4:
@@ -600,6 +562,18 @@ def _unlike(slope: Scalar, question: str) -> list[str]:
 def _moment(fit: _Fit, power: int) -> float:
     """2 pi int q^power C dq."""
     return float(2 * np.pi * Spectrum(fit.q, fit.c, convention="2d").moment(power))
+
+
+def _left_out(part: _Part, spectrum: AbstractSpectrum, cut: bool) -> Any:
+    """ln of the rms slope of the waves of a scan, with those beyond the highest unless
+    the data are `cut` there, over that of its spectrum.
+    """
+    waves, end = part.waves, part.highest if cut else np.inf
+    kept = _within(waves.q, waves.first, end)
+    square = (waves.copies * waves.power * waves.q**2)[kept].sum()
+    square *= np.prod(waves.lowest) * (3 - waves.dimensions)  # twice that of a profile
+    moment = spectrum.moment(3, waves.first, part.highest)
+    return 0.5 * xp.log(square / (2 * np.pi * moment))
 
 
 def _overlap(alone: Sequence[_Fit]) -> str:
@@ -882,8 +856,8 @@ class MeasuredSurface(AbstractSpectrum):
     # `top_slopes` of the heights; those of Gaussian ones are zero
     tops: Float[np.ndarray, " shares"] | None = None
     flat: Float[np.ndarray, " shares"] | None = None
-    # whether shorter waves were left out since the data seemed blurred
-    unresolved: bool = static(default=False)
+    # ln of the rms slope of all waves of the data over that of the spectrum
+    left_out: Scalar = 0.0
     label: ClassVar[str] = "measured surface"
 
     def ended(self, q_high: Number) -> MeasuredSurface:
@@ -920,13 +894,14 @@ class MeasuredSurface(AbstractSpectrum):
         skewness, error = self.skewness, 1.0
         if end >= 2 * waves.first:  # else too few waves to know any skewness
             skewness, error, _ = _asymmetry(scan, waves, end)
-        tops, flat = _tops(_Part(scan, waves, _Limit(end), end, ""), error)
+        part = _Part(scan, waves, _Limit(end), end, "")
+        tops, flat = _tops(part, error)
         return dataclasses.replace(
             shortened,
             map=self.map.ended(end),
             tops=tops,
             flat=flat,
-            unresolved=False,
+            left_out=_left_out(part, shortened, True),
             skewness=skewness,
             skewness_error=error,
         )
