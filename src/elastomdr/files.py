@@ -81,21 +81,34 @@ def read_text(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> str:
     return raw.decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
 
 
-def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """What a TOML file holds.
+def read_toml(path: str | os.PathLike[str], argument: str) -> dict[str, Any]:
+    """What a TOML file holds that was typed as an argument. Raises `InputError`.
 
-    Raises `OSError` and `UnicodeDecodeError` as `read_text` does, and `ValueError`,
-    with line and column, for what is no TOML. Its size and the depth of its keys are
-    limited before it is parsed: a key of 20,000 parts takes 1.5 GB.
+    Its size and the depth of its keys are limited before it is parsed: a key of 20,000
+    parts takes 1.5 GB.
     """
-    text = read_text(path, _MOST_TOML)
-    if deep := _DEEP_KEY.search(text):
-        line = text.count("\n", 0, deep.start()) + 1
-        raise ValueError(f"a key in line {line} has more than {_DEEPEST} parts")
     try:
+        text = read_text(path, _MOST_TOML)
+        if deep := _DEEP_KEY.search(text):
+            line = text.count("\n", 0, deep.start()) + 1
+            raise ValueError(f"a key in line {line} has more than {_DEEPEST} parts")
         return tomllib.loads(text)
+    except OSError as error:
+        cause, accepted = error, "a file that can be read"
+        hint = error.strerror or str(error)
+    except UnicodeDecodeError as error:
+        cause, accepted = error, "a file of UTF-8 text"
+        line = error.object[: error.start].count(b"\n") + 1
+        hint = f"line {line} is none; save it as UTF-8"
+    # of tomllib, with line and column, and of a path that is none
+    except ValueError as error:
+        cause, accepted, hint = error, "valid TOML", " ".join(str(error).split())
     except RecursionError as error:
-        raise ValueError("arrays or tables within each other, too deep") from error
+        hint = "arrays or tables within each other, too deep"
+        cause, accepted = error, "valid TOML"
+    raise InputError(
+        argument=argument, got=str(path), accepted=accepted, hint=hint
+    ) from cause
 
 
 def write_files(files: Mapping[Path, bytes]) -> None:

@@ -186,7 +186,7 @@ def test_calibrated_scene_gives_the_calibrated_curve(tmp_path, monkeypatch, caps
     assert main(command) == 0
     out, err = capsys.readouterr()
     assert err == ""
-    assert len(out.splitlines()) <= 5
+    assert len(out.splitlines()) == 5
     folder = tmp_path / "new"
     scene = arguments("friction", "new/rig-calibrated.toml")
     assert scene["temperature"].shape == (2, 1)
@@ -263,8 +263,19 @@ def test_the_written_scene_is_computed(changed, tmp_path, monkeypatch, capsys):
     assert "cutoff_error" in text
     assert "# found: " in text
     assert "# doubts: " in text
-    assert main(["friction", "new/rig-calibrated.toml", "--out", "new"]) == 0
-    assert "error" not in capsys.readouterr().err
+    capsys.readouterr()
+    asked = ["friction", "new/rig-calibrated.toml", "--out", "new", "--verbose"]
+    assert main(asked) == 0
+    out, err = capsys.readouterr()
+    assert "error" not in err
+    doubted = tomllib.loads(text)["doubts"]
+    assert doubted  # which go with the numbers, into every file
+    surface = (tmp_path / "new" / "rig-surface.csv").read_text()
+    rubber = (tmp_path / "new" / "rig-material.toml").read_text()
+    for said in doubted:
+        assert f"rest on a calibration: {said}" in out
+        assert f"# calibrated: {said}" in surface
+        assert said in rubber
 
 
 def test_what_nothing_decides_is_not_written(tmp_path, monkeypatch, capsys):

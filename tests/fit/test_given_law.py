@@ -159,6 +159,6 @@ def test_the_command_line(tmp_path, monkeypatch, capsys):
     ):
         assert main([*base, "--shift", wrong]) == 2
         assert said in capsys.readouterr().err
-    assert float(law_of("Arrhenius(80 kJ/mol, 20degC)").energy) == 8e4
-    assert float(law_of("WLF(17.44, 51.6, -60degC)").c2) == 51.6
-    assert float(law_of("VFT(1000 K, -100 degC, 20)").t0) == pytest.approx(173.15)
+    assert float(law_of("Arrhenius(80 kJ/mol, 20degC)")[0].energy) == 8e4
+    assert float(law_of("WLF(17.44, 51.6, -60degC)")[0].c2) == 51.6
+    assert float(law_of("VFT(1000 K, -100 degC, 20)")[0].t0) == pytest.approx(173.15)

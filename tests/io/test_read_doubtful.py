@@ -45,6 +45,7 @@ def advised(message):
     options as well.
     """
     python = [eval(text) for text in re.findall(r"columns=(\{.*?\})", message)]
+    python = [{role: str(one) for role, one in each.items()} for each in python]
     shell = [
         dict([_column(one or other)])
         for one, other in re.findall(r"--column (?:'(.*?)'|(\S+?))\)", message)

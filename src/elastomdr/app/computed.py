@@ -375,12 +375,15 @@ class ComputedStage:
             return
         self._session.calibrated = found
         scene = self._session.scenes["friction"]
-        keys = found.content.keys() & {"surface", "adhesion"}
+        keys = found.content.keys() & {"surface", "adhesion", "doubts"}
         scene |= {key: found.content[key] for key in keys}
         self._draw_form()
         await self.compute()
         self._notes.show(
-            [f"{name.capitalize()}: {spoken(words)}" for name, words in found.lines()]
+            [
+                f"{name.capitalize()}: {spoken(words)}"
+                for name, words in found.lines().items()
+            ]
         )
 
     def _computed(self, content: Content) -> Done:

@@ -104,7 +104,7 @@ class ExportStage:
                 name: (name, partial(written, write, name))
                 for name, write in found.files.items()
             }
-            text = "\n".join(f"{name}: {said}" for name, said in found.lines())
+            text = "\n".join(f"{name}: {said}" for name, said in found.lines().items())
             about = "Material and surface that give the measured friction."
             yield Taken("Calibration", about, files, spoken(text))
         for fitted in reversed(self._session.fits.values()):

@@ -190,7 +190,7 @@ def compute(
         more = {"progress": progress} if tells else {}
         with scene.in_keys(), _within(arguments.get("friction")):
             result = call(**arguments, **more)
-        result = scene.outcome(result)
+        result = scene.outcome(scene.doubted(result))
     texts = tuple(dict.fromkeys(spoken(each.message) for each in said))
     return Done(verb, content, result, texts, plot_options, content, made=made)
 

@@ -90,7 +90,7 @@ FRICTION = Screen(
             only=tuple(
                 key
                 for key in SurfaceFrictionScene.__struct_fields__
-                if key not in ("surface", "title", "other", "layer", "roller")
+                if key not in ("surface", "title", "other", "layer", "roller", "doubts")
             ),
             first=_FIRST,
         )

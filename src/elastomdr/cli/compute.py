@@ -170,7 +170,7 @@ def warned_of_at_the_end() -> Iterator[None]:
 
 def _computed(scene: Scene, arguments: Arguments) -> Any:
     try:
-        return getattr(em, scene.called())(**arguments)
+        return scene.doubted(getattr(em, scene.called())(**arguments))
     except KeyboardInterrupt as error:
         raise KeyboardInterrupt(_nothing_written(scene.called())) from error
 

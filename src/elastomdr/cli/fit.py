@@ -11,7 +11,6 @@ import copy
 import dataclasses
 import os
 import re
-import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -19,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import elastomdr as em
 
-from ..errors import InputError, quiet
+from ..errors import InputError, as_options, quiet, told
 from ..files import csv_text
 from ..trees import replaced
 from . import DONE, NOT_CONVERGED
@@ -52,14 +51,18 @@ _READ = (
     "ramp",
 )
 _FITTED = ("terms", "balance", "temperature_error", "law", "poisson", "citation")
-# findings that are printed without --verbose
-_FIRST = ("columns", "data", "shift law", "loss tangent", "misfit", "warning")
+# what is printed without --verbose, of which findings
+_FIRST = {
+    "fitted": ("terms", "shift law"),
+    "how well": ("misfit", "loss tangent"),
+    "read": ("data", "columns"),
+}
 _LAW = re.compile(r"\s*(WLF|Arrhenius|VFT)\s*\((.*)\)\s*", re.IGNORECASE)
 # by name, an example with the units of the constants
 _LAWS = {
-    "wlf": ("WLF(8.9, 101.6, 20degC)", ("", "K")),
-    "vft": ("VFT(1000, -100degC, 20degC)", ("K", "degC")),
-    "arrhenius": ("Arrhenius(80 kJ/mol, 20degC)", ("J/mol",)),
+    "wlf": ("WLF", "WLF(8.9, 101.6, 20degC)", ("", "K")),
+    "vft": ("VFT", "VFT(1000, -100degC, 20degC)", ("K", "degC")),
+    "arrhenius": ("Arrhenius", "Arrhenius(80 kJ/mol, 20degC)", ("J/mol",)),
 }
 FileName = Annotated[
     str,
@@ -165,9 +168,9 @@ class Fit(Table):
         options = given(self, "name", "vertical", *_FITTED)
         with quiet():
             dma = self.read(folder)
+            shift, vertical = law_of(self.shift, folder)
             if self.vertical is None:
-                options["vertical"] = vertical_of(self.shift, folder)
-            shift = law_of(self.shift, folder)
+                options["vertical"] = vertical
             softening = self._softening(folder)
             fit = em.fit.material(
                 dma, self.reference, shift=shift, progress=progress, **options
@@ -261,21 +264,20 @@ def run(options: argparse.Namespace) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     paths = fit.save(folder)
     path = (folder / f"{fit.material.name}.toml").as_posix()
-    said = (each for each in fit.findings() if each[0] in _FIRST)
-    print(fit.summary() if options.verbose else aligned(said))
-    print(f"wrote     {path} and {len(paths) - 1} more files beside it")
+    said = dict(fit.findings())
+    lines = {
+        name: "; ".join(f"{part} {said[part]}" for part in parts if part in said)
+        for name, parts in _FIRST.items()
+    }
+    doubts = " ".join(told(each, advice=as_options) for each in fit.warnings)
+    lines["doubts"] = doubts or "none"
+    print(fit.summary() if options.verbose else aligned(lines.items()))
     print(
-        f"friction on a measured profile: elastomdr init road.toml --material {path} "
-        "--profile PROFILE.csv"
+        f"wrote     {path} and {len(paths) - 1} more files; on a measured profile: "
+        f"elastomdr init road.toml --material {path} --profile PROFILE.csv"
     )
-    if fit.master.converged and fit.prony.converged:
-        return DONE
-    print(
-        "elastomdr: warning: the fit did not converge; look at its figures before "
-        "using it.",
-        file=sys.stderr,
-    )
-    return NOT_CONVERGED
+    converged = fit.master.converged and fit.prony.converged
+    return DONE if converged else NOT_CONVERGED
 
 
 def content_of(options: argparse.Namespace) -> Content:
@@ -304,44 +306,32 @@ def _from_hardness(options: argparse.Namespace, folder: Path) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{material.name}.toml"
     save_hardness(material, options.shore_a, options.like, path)
-    print(f"{'material':<16}{material.name}: {material.citation}")
-    print(
-        f"{'estimated':<16}moduli within a factor of two, loss tangent of "
-        f"{options.like}"
-    )
-    print(f'wrote {path.name}; in a scene file here: material = "{path.as_posix()}"')
+    about = f"moduli within a factor of two, loss tangent of {options.like}"
+    print(f"estimated {material.name}, {material.citation}: {about}")
+    print(f'wrote     {path.name}; in a scene here: material = "{path.as_posix()}"')
     return DONE
 
 
-def vertical_of(option: str | None, folder: Path = Path()) -> Any:
-    """The vertical factors in the file of a shift law, where it has any."""
+def law_of(option: str | None, folder: Path = Path()) -> tuple[Any, Any]:
+    """A shift law from its name and constants, or from a file, with the vertical
+    factors that this may have; "universal" as it is.
+    """
     from ..io.point_tables import vertical_factors
 
-    if option is None or option.strip() == "universal" or _LAW.fullmatch(option):
-        return None
-    return vertical_factors(folder / option)
-
-
-def law_of(option: str | None, folder: Path = Path()) -> Any:
-    """A shift law from its name and constants, or from a file; "universal" as it is."""
     if option is None or option.strip() == "universal":
-        return option and option.strip()
+        return option and option.strip(), None
     match = _LAW.fullmatch(option)
     if match is None:
-        return em.read_shifts(folder / option)
-    laws = {"wlf": em.WLF, "vft": em.VFT, "arrhenius": em.Arrhenius}
-    example, units = _LAWS[match[1].lower()]
-    parts = [piece.strip() for piece in match[2].split(",")]
+        return em.read_shifts(folder / option), vertical_factors(folder / option)
+    law, example, units = _LAWS[match[1].lower()]
     try:
-        constants = [
-            _constant(piece, unit)
-            for piece, unit in zip(parts, (*units, "degC"), strict=True)
-        ]
+        pairs = zip(match[2].split(","), (*units, "degC"), strict=True)
+        constants = [_constant(piece.strip(), unit) for piece, unit in pairs]
     except ValueError as error:  # an `InputError` among them
         raise InputError(
             argument="shift", got=option, accepted=f'a law such as "{example}"'
         ) from error
-    return laws[match[1].lower()](*constants)
+    return getattr(em, law)(*constants), None
 
 
 def _constant(piece: str, unit: str) -> float:
@@ -365,9 +355,9 @@ def strain_of(option: str) -> float:
     return float(number) / (100 if "%" in option else 1)
 
 
-def _column(option: str) -> tuple[str, str | int]:
+def _column(option: str) -> tuple[str, str]:
     role, _, title = option.partition("=")
-    return role.strip(), int(title) if title.strip().isdigit() else title.strip()
+    return role.strip(), title.strip()
 
 
 _OF_LOAD = ("pressure", "load", "depth")
@@ -385,7 +375,7 @@ class Calibrated(NamedTuple):
     data: "em.MeasuredFriction"
     measured: Path
 
-    def lines(self) -> list[tuple[str, str]]:
+    def lines(self) -> dict[str, str]:
         """What is printed."""
         found = self.found
         known = ", ".join(f"{name} {found.in_units(name)}" for name in found.decided)
@@ -394,9 +384,12 @@ class Calibrated(NamedTuple):
         if "weakest" in said:
             known += f"; least known {said['weakest']}"
         doubts = " ".join((*self.data.report, *found.warnings))
-        lines = {"read": self.data.columns, "found": known}
-        lines |= {"residuals": said["residuals"], "doubts": doubts or "none"}
-        return [*lines.items()]
+        return {
+            "read": self.data.columns,
+            "found": known,
+            "residuals": said["residuals"],
+            "doubts": doubts or "none",
+        }
 
 
 def calibrated(
@@ -447,9 +440,7 @@ def calibrated(
         path_from("measured", Path() if measured else folder, {"columns"}),
     ):
         data = em.read_friction(file, columns=dict(map(_column, columns)))
-    given: Any = scene.arguments(folder) | {"velocity": data.velocity}
-    if data.temperature is not None:
-        given["temperature"] = data.temperature
+    given: Any = scene.arguments(folder) | data.points
     if data.pressure is not None:
         given = {k: v for k, v in given.items() if k not in _OF_LOAD}
         given["pressure"] = data.pressure
@@ -464,14 +455,14 @@ def calibrated(
         found = em.fit.calibrate(
             given.pop("material"),
             given.pop("shape"),
+            measured=given.pop("mu"),
             **given,
-            measured=data.mu,
             error=data.error,
             parameters=parameters,
             widths=widths,
             draws=draws,
         )
-    name = scene.material[0]
+    name, doubts = scene.material[0], [said.rstrip(".") for said in found.warnings]
     about = material_info(folder / name if name.endswith(".toml") else name)
     files: dict[str, Callable[[Path], object]] = {
         f"{stem}-calibrate.csv": found.to_csv,
@@ -479,16 +470,18 @@ def calibrated(
     }
     if not found.decided:  # moved within what was assumed: nothing to compute with
         return Calibrated(found, content, files, data, file)
+    described = about.get("description", name)
+    about["description"] = "; ".join([described, "calibrated", *doubts])
     written = partial(em.save_material, found.material, info=about)
     files[f"{stem}-material.toml"] = written
-    content |= {"material": f"{stem}-material.toml"}
+    content |= {"material": f"{stem}-material.toml", "doubts": doubts}
     if data.temperature is not None and "temperature" not in content:
         kelvin = np.unique(np.round(data.temperature - 273.15))
         content["temperature"] = [f"{t:g} degC" for t in kelvin]
     if not getattr(found.material.range, "misfit", ()):
         content.pop("uncertainty", None)
     if isinstance(surface := found.shape, AbstractSpectrum):
-        files[f"{stem}-surface.csv"] = partial(_write_surface, surface)
+        files[f"{stem}-surface.csv"] = partial(_write_surface, surface, doubts)
         road = content["surface"]
         road["cutoff"] = f"{float(surface.q_high)!r} rad/m"
         if "heights" in found.parameters:
@@ -511,8 +504,11 @@ def calibrated(
     return Calibrated(found, content, files, data, file)
 
 
-def _write_surface(surface: "AbstractSpectrum", path: Path) -> None:
+def _write_surface(
+    surface: "AbstractSpectrum", doubts: Sequence[str], path: Path
+) -> None:
     header = ["power spectrum C of the surface, convention 2d: <h^2> = int C d^2q"]
+    header += [f"calibrated: {each}" for each in doubts]
     columns = {"q [rad/m]": surface.q, "C [m^4]": surface.c}
     path.write_text(csv_text(header, columns), encoding="utf-8")
 
@@ -551,12 +547,12 @@ def run_calibration(options: argparse.Namespace) -> int:
             table["file"] = os.path.relpath(path.parent / file, folder)
     name, files, said = f"{path.stem}-calibrated", done.files, done.lines()
     if done.found.decided:
-        notes = (f"{word}: {text}" for word, text in said)
+        notes = (f"{word}: {text}" for word, text in said.items())
         notes = (f"calibrated with {done.measured.name}", *notes)
         text = toml("friction", scene, name, notes)
         files |= {f"{name}.toml": lambda to: to.write_text(text, "utf-8")}
     write_all(folder, files)
-    print(aligned(said))
+    print(aligned(said.items()))
     if options.verbose:
         print(done.found.summary())
         points: Any = done.data.points

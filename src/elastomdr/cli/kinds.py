@@ -56,27 +56,7 @@ def read_scene(verb: str, path: Path) -> Scene:
 
 def read_content(path: Path) -> Content:
     """What a TOML file holds. Raises `InputError` where it cannot be read."""
-    try:
-        return read_toml(path)
-    except OSError as error:
-        raise InputError(
-            argument="SCENE",
-            got=str(path),
-            accepted="a file that can be read",
-            hint=str(error.strerror or error),
-        ) from error
-    except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        raise InputError(
-            argument="SCENE",
-            got=str(path),
-            accepted="UTF-8 text",
-            hint=f"line {line} is not: save it as UTF-8",
-        ) from error
-    except ValueError as error:  # not TOML, no valid path
-        raise InputError(
-            argument="SCENE", got=str(path), accepted="valid TOML", hint=str(error)
-        ) from error
+    return read_toml(path, "SCENE")
 
 
 def decoded(verb: str, content: Content) -> Scene:

@@ -5,12 +5,14 @@ numerics.
 import contextlib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import elastomdr as em
 
 from ..call.types import ModelName
 from ..errors import InputError
+from ..results.doubts import Doubt
+from ..trees import replaced
 from .bodies import SurfaceTable
 from .schema import (
     Arguments,
@@ -30,6 +32,9 @@ from .schema import (
     path_from,
 )
 from .units import EquivalentLength, Length, Temperature, Velocity
+
+if TYPE_CHECKING:
+    from ..results.base import Result
 
 _AXES = (
     "velocity",
@@ -179,6 +184,13 @@ class Scene(Table):
     def called(self) -> str:
         """The function of elastomdr that computes the scene."""
         return self.call
+
+    def doubted(self, result: "Result") -> "Result":
+        """The result with the doubts that the scene has."""
+        everywhere, marks = result.converged | True, result.marks
+        for said in getattr(self, "doubts", None) or ():
+            marks += (Doubt("estimate", everywhere, f"rest on a calibration: {said}"),)
+        return replaced(result, marks=marks) if marks else result
 
     def outcome(self, result: Any) -> Any:
         """What is shown and written of a result: of a comparison the ranking. Raises

@@ -183,6 +183,7 @@ class SurfaceFrictionScene(OfDraws):
         heat: flash temperature
         adhesion: adhesive shear on the area of real contact
         measured: measured friction, a table beside the scene, drawn over the curve
+        doubts: what a calibration says against the numbers that it found
         roller: a roller on the same rubber, drawn beside the friction
     """
 
@@ -194,7 +195,7 @@ class SurfaceFrictionScene(OfDraws):
     heat: HeatTable | None = None
     adhesion: ShearOfContact | None = None
     measured: Text | None = None
-
+    doubts: Several[Text] | None = None
     roller: Roller | None = None
 
     def beside(self, folder: Path) -> Arguments | None:

@@ -108,31 +108,7 @@ def read_document(path: Path) -> Document:
     """A material file's content, with known keys and right types only; raises
     `InputError`, one line with the path.
     """
-    try:
-        document = read_toml(path)
-    except OSError as error:
-        raise InputError(
-            argument="name_or_path",
-            got=str(path),
-            accepted="a file that can be read",
-            hint=error.strerror or str(error),
-        ) from error
-    except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        raise InputError(
-            argument="name_or_path",
-            got=str(path),
-            accepted="a file of UTF-8 text",
-            hint=f"line {line} is none; save it as UTF-8",
-        ) from error
-    # tomllib's own error is a ValueError and says line and column
-    except ValueError as error:
-        raise InputError(
-            argument="name_or_path",
-            got=str(path),
-            accepted="valid TOML",
-            hint=" ".join(str(error).split()),
-        ) from error
+    document = read_toml(path, "name_or_path")
     try:
         validate(document)
     except InputError as error:
