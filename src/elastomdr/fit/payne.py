@@ -11,7 +11,6 @@ Source: G. Kraus, J. Appl. Polym. Sci.: Appl. Polym. Symp. 39 (1984) 75.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
@@ -25,6 +24,7 @@ from ..errors import InputError
 from ..io.data import Dma, lists
 from ..material.softening import Softening
 from ..results.axes import Label
+from ..results.base import WithTable
 from ..trees import fill, static
 from .isotherms import group
 from .report import AbstractWithTable, table_csv, tell
@@ -104,7 +104,7 @@ class Sweeps(AbstractWithTable):
         return f"{100 * self.strain.min():.3g} to {100 * self.strain.max():.3g} %"
 
 
-class SofteningFit(Softening):
+class SofteningFit(WithTable, Softening):
     """An `em.Softening` with the sweeps that it was fitted to: `sweeps` has constants,
     intervals and points.
     """
@@ -136,11 +136,9 @@ class SofteningFit(Softening):
         """All findings in a few lines."""
         return self.sweeps.summary()
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the measured factors as comma-separated text, the findings in header
-        lines.
-        """
-        self.sweeps.to_csv(path)
+    def csv(self) -> str:
+        """The measured factors as comma-separated text, the findings in header lines."""
+        return self.sweeps.csv()
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
         """Draws the factors over strain with the measured points, in a style of

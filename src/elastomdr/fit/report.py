@@ -5,7 +5,6 @@ material cards for finite-element programs.
 from __future__ import annotations
 
 import abc
-import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
@@ -15,12 +14,13 @@ import numpy as np
 from .. import __version__
 from ..checks import as_float64, in_si, positive, whole_number
 from ..errors import InputError, warn
-from ..files import as_path, csv_text, no_formula, write_files
+from ..files import csv_text, no_formula
 from ..io.data import FitWarning
 from ..material.prony import Prony
 from ..material.shift import VFT, WLF, Arrhenius
 from ..material.tabulated import needs_series
 from ..notebook_tables import html_figure, html_table
+from ..results.base import WithTable
 from .laws import LawFit
 from .shifting import AtReference, Joint, curve
 from .spectrum import LOSS, RELAXATION, STORAGE
@@ -72,18 +72,8 @@ class AbstractFindings(abc.ABC):
         return table if plot is None else table + html_figure(plot(style="paper"))
 
 
-class AbstractWithTable(AbstractFindings):
+class AbstractWithTable(AbstractFindings, WithTable):
     """One that has a table."""
-
-    @abc.abstractmethod
-    def csv(self) -> str:
-        """The table as comma-separated text, the findings in header lines."""
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the table, one row per point or term, as comma-separated text with the
-        findings in header lines that start with "# ".
-        """
-        write_files({as_path(path): self.csv().encode()})
 
 
 def shifts_in_words(

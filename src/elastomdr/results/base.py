@@ -24,6 +24,8 @@ Doubts of its numbers are data (`results/doubts.py`), said once and in one place
 - Tables, files, figures, summaries, stacks and draws follow from `doubts`.
 """
 
+import abc
+import csv
 import dataclasses
 import importlib
 import io
@@ -855,29 +857,15 @@ class Result:
         Raises `InputError` for a name that does not end in .xlsx, without openpyxl, and
         where it cannot be written.
         """
-        if as_path(path).suffix.lower() != ".xlsx":
-            raise InputError(
-                argument="path",
-                got=str(path),
-                accepted="the name of a file that ends in .xlsx",
-                hint="for a table of text use to_csv",
-            )
-        openpyxl = _package("openpyxl", "excel")
         columns = self.columns()
         values = zip(*(column.tolist() for column in columns.values()), strict=True)
         meanings = [[q.label, q.path, q.unit, q.meaning] for q in self.fields()]
-        book = openpyxl.Workbook()
-        book.remove(book.active)
-        for name, lines in (
-            ("result", [list(columns), *map(list, values)]),
-            ("inputs", [["elastomdr", __version__], *map(list, self.findings())]),
-            ("columns", [["column", "field", "unit", "meaning"], *meanings]),
-        ):
-            fill_sheet(book.create_sheet(name), lines)
-        book["result"].freeze_panes = "A2"
-        buffer = io.BytesIO()
-        book.save(buffer)
-        write_files({as_path(path): buffer.getvalue()})
+        sheets: dict[str, list[list[Any]]] = {
+            "result": [list(columns), *map(list, values)],
+            "inputs": [["elastomdr", __version__], *map(list, self.findings())],
+            "columns": [["column", "field", "unit", "meaning"], *meanings],
+        }
+        write_book(path, sheets)
 
     def to_dict(self) -> dict[str, Any]:
         """Field name to an array of the result's shape, in SI units; with "model",
@@ -1038,6 +1026,95 @@ class AbstractPoints(Result):
         "bound on the model's error of the coefficient, absolute",
         default=None,
     )
+
+
+class WithTable(abc.ABC):
+    """What has one table, exported in every form that a result has."""
+
+    @abc.abstractmethod
+    def csv(self) -> str:
+        """The table as comma-separated text, what is said of it in header lines."""
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes the table as comma-separated text, what is said of it in header lines
+        that start with "# "; an empty cell is not known.
+        """
+        write_files({as_path(path): self.csv().encode()})
+
+    def summary(self) -> str:
+        """What is said of the table, in a few lines."""
+        return "\n".join(self._parts()[0])
+
+    def to_dict(self) -> dict[str, np.ndarray]:
+        """The title of each column to its values."""
+        return self._parts()[1]
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """A pandas DataFrame of the table, the header lines in `attrs["header"]`.
+        Raises `InputError` without pandas.
+        """
+        header, columns = self._parts()
+        frame = _package("pandas", "tables").DataFrame(columns)
+        frame.attrs["header"] = header
+        return frame
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """An xarray Dataset of the columns, over the row. Raises `InputError` without
+        xarray.
+        """
+        _package("xarray", "tables")
+        return self.to_pandas().to_xarray()
+
+    def _parts(self) -> tuple[list[str], dict[str, np.ndarray]]:
+        """The header lines of the table, and its columns."""
+        lines = self.csv().splitlines()
+        header = [line.removeprefix("# ") for line in lines if line.startswith("# ")]
+        titles, *rows = csv.reader(lines[len(header) :])
+        columns = map(_typed, zip(*rows, strict=True))
+        return header, dict(zip(titles, columns, strict=True))
+
+    def to_excel(self, path: str | os.PathLike[str]) -> None:
+        """Writes an Excel workbook of the table and its header lines.
+
+        Raises `InputError` for a name that does not end in .xlsx, without openpyxl, and
+        where it cannot be written.
+        """
+        header, columns = self._parts()
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+        result = [list(columns), *map(list, rows)]
+        write_book(path, {"result": result, "inputs": [[line] for line in header]})
+
+
+def _typed(texts: Sequence[str]) -> np.ndarray:
+    """The entries of a column: numbers, where all are; an empty cell is not known."""
+    try:
+        return np.array([float(text or "nan") for text in texts])
+    except ValueError:
+        return np.array(texts)
+
+
+def write_book(
+    path: str | os.PathLike[str], sheets: Mapping[str, list[list[Any]]]
+) -> None:
+    """Writes a workbook, the first row of its first sheet above all others. Raises
+    `InputError`.
+    """
+    if as_path(path).suffix.lower() != ".xlsx":
+        raise InputError(
+            argument="path",
+            got=str(path),
+            accepted="the name of a file that ends in .xlsx",
+            hint="for a table of text use to_csv",
+        )
+    book = _package("openpyxl", "excel").Workbook()
+    book.active.title = next(iter(sheets))
+    book.active.freeze_panes = "A2"
+    for name, lines in sheets.items():
+        sheet = book[name] if name in book.sheetnames else book.create_sheet(name)
+        fill_sheet(sheet, lines)
+    buffer = io.BytesIO()
+    book.save(buffer)
+    write_files({as_path(path): buffer.getvalue()})
 
 
 def _package(name: str, extra: str) -> Any:

@@ -5,7 +5,6 @@ sliding return; and the ranking of the materials of a friction curve.
 from __future__ import annotations
 
 import dataclasses
-import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -17,7 +16,7 @@ import numpy as np
 from .. import __version__
 from ..checks import in_si, percent, significant
 from ..errors import InputError
-from ..files import as_path, csv_text, write_files
+from ..files import csv_text
 from ..linear_update import narrowed
 from .axes import Quantity
 from .base import (
@@ -28,6 +27,7 @@ from .base import (
     Assumed,
     Change,
     RoadErrors,
+    WithTable,
     part,
     quantity,
     record,
@@ -673,7 +673,7 @@ class HalfSpaceCurve(AbstractCurve):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Ranking:
+class Ranking(WithTable):
     """What `FrictionCurve.ranking` returns: `places`, best grip first, and where they
     hold.
 
@@ -729,10 +729,8 @@ class Ranking:
         """The ranking in a few lines."""
         return "\n".join(self.words())
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the ranking as comma-separated text, an empty cell for what is not
-        known.
-        """
+    def csv(self) -> str:
+        """The ranking as comma-separated text, an empty cell for what is not known."""
         words = {True: "yes", False: "no", None: ""}
         columns = {
             "rank": np.arange(1, len(self.places) + 1),
@@ -752,7 +750,7 @@ class Ranking:
             self.where(),
             *list(self.words())[1 + len(self.places) :],
         ]
-        write_files({as_path(path): csv_text(header, columns).encode()})
+        return csv_text(header, columns)
 
     def plot(self, style: Style | None = None, *, title: str | None = None) -> Axes:
         """Draws friction against velocity at this temperature and the ranking beside

@@ -39,6 +39,7 @@ from ..checks import (
 from ..errors import InputError
 from ..files import as_path, csv_text, read_text, write_files
 from ..trees import Tree, fill, static
+from .base import WithTable
 from .doubts import (
     TITLE,
     Doubt,
@@ -101,7 +102,7 @@ class Ranked(NamedTuple):
         return f"{words} ({kinds})" if kinds else words
 
 
-class FrictionLaw(Tree):
+class FrictionLaw(WithTable, Tree):
     """Friction coefficient against sliding velocity and, where they are given,
     temperature and nominal pressure.
 
@@ -256,12 +257,9 @@ class FrictionLaw(Tree):
         }
         return {name: values for name, values in every.items() if values is not None}
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the table: a header of lines that start with "# ", then one row per
-        point, the velocity fastest.
-
-        A point that is not known is an empty cell. Raises `InputError` where the file
-        cannot be written.
+    def csv(self) -> str:
+        """The table as comma-separated text, one row per point, the velocity fastest,
+        an empty cell for a point that is not known.
         """
         _untraced(self)
         axes = self.axes()
@@ -285,7 +283,7 @@ class FrictionLaw(Tree):
         columns[_TITLES["mu"][0]] = self.mu.ravel()
         columns[TITLE] = kinds_of_points(self.doubts, self.mu.shape).ravel()
         header += in_words(self.doubts)
-        write_files({as_path(path): csv_text(header, columns).encode()})
+        return csv_text(header, columns)
 
     def to_abaqus(
         self, path: str | os.PathLike[str], *, units: Literal["m", "mm"] = "m"
