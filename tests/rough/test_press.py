@@ -223,3 +223,17 @@ def test_sliding_is_not_traced():
         jax.jit(
             lambda v: em.press(RUBBER, SURFACE, pressure=3e3, velocity=v).conductance
         )(1.0)
+
+
+@pytest.mark.filterwarnings("ignore:heights of skewness")
+def test_heights_that_are_not_gaussian_are_a_doubt():
+    height, side = rough_map(SURFACE, 3, periods=3, points=96)
+    worn = em.read_surface(np.minimum(height, 0.0), pixel_size=side / 96)
+    at = {"pressure": [1e4, 2e4], "time": 1.0}
+    found = em.press(RUBBER, worn, **at)
+    assert np.isnan(found.model_error).all()
+    (doubt,) = found.doubts
+    assert doubt.kind == "no prediction"
+    assert "not Gaussian" in doubt.says
+    assert doubt.points.all()
+    assert "Gaussian" not in str(em.press(RUBBER, SURFACE, **at).doubts)

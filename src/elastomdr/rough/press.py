@@ -68,6 +68,9 @@ _USUAL = Line(seeds=8, periods=16)
 _FINE = 16  # samples of the shortest wave, where none are given
 # bound against 3D, where p J/rms slope and q_high/q_low lie in the range
 _OFF, _LEVELS, _RATIO = 0.35, (0.01, 0.2), 64
+_NOT_GAUSSIAN = (
+    "have no bound on the model: heights are not Gaussian, as those of its lines are"
+)
 _FEWEST = 3  # samples that touch in sliding, below which there is no stiffness
 _STEP = 0.02  # relative change of load, up and down, for the stiffness in sliding
 
@@ -463,7 +466,9 @@ def _judge(points: _Points) -> tuple[Doubt, ...]:
     rest, shape = points.rest, points.shape
     foundation, surface = rest.foundation, rest.surface
     if points.velocity is None:
-        return rest.doubts(points.pressure, shape, softens=True)
+        unknown = np.full(shape, skewness_of(surface) > 0)
+        bound = Doubt("no prediction", unknown, _NOT_GAUSSIAN)
+        return (*rest.doubts(points.pressure, shape, softens=True), bound)
     reduced = points.velocity * rest.factor
     outside = excited_outside(foundation.range, surface, reduced)
     beyond = rough_beyond(foundation.range, outside, rest.temperature, shape)
