@@ -271,6 +271,8 @@ def main(scenes: int) -> None:
                 )
             )
             continue
+        assert curve.lines is not None
+        assert curve.lines.numerical is not None
         mu, error = float(curve.mu), float(curve.lines.numerical)
         levels = levels_of(scene, first.x.size, error)
         if levels[-1] is None or not known(levels) <= _KNOWN * error:
@@ -328,7 +330,7 @@ def main(scenes: int) -> None:
         ),
         [
             (
-                number + 1,
+                len(drawn_scenes),
                 len(flagged),
                 float(np.median(breaches)),
                 max(breaches),
