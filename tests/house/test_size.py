@@ -27,7 +27,7 @@ ROOMS = {
     "surface": 31,
     "app": 30,
     "cli": 28,
-    "material": 18,
+    "material": 19,
     "sweeps": 16,
     "element": 20,
     "ground": 14,

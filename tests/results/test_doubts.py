@@ -10,6 +10,7 @@ import jax
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.optimize import nnls
 
 import elastomdr as em
 from elastomdr.material.validity import Range
@@ -339,6 +340,41 @@ class TestUncertainty:
         measured = rubber(range={"omega": (1e-3, 1e12)})
         sources = [p.source for p in em.friction(measured, ROAD, **scene).uncertainty()]
         assert "rubber beyond its data" not in sources
+
+    def test_what_the_data_allow_beyond_them_holds_the_truth(self):
+        """Series with branches up to the end of the data, of truths that go on: mu is as
+        far off as is said, which one more decade of moduli narrows.
+        """
+        rng, inside = np.random.default_rng(0), 0
+        scene = {"velocity": [1e-3, 0.1, 1.0, 10.0], "pressure": 3e5, "rtol": 1e-4}
+        for _ in range(6):
+            slope, last = rng.uniform(0.2, 0.5), 10 ** rng.uniform(-9, -7)
+            times = np.geomspace(1e-10, 1e2, 37)
+            moduli = np.where(times < last, 0.0, 1e5 * times**-slope)
+            truth = em.Prony(1e6, moduli, times)
+            omega = np.geomspace(1e-2, 1e4, 40)
+            branches = np.geomspace(1e-4, 1e2, 25)
+            x = omega[:, None] * branches
+            known = np.concatenate([truth.storage(omega), truth.loss(omega)])
+            parts = np.concatenate([x**2 / (1 + x**2), x / (1 + x**2)])
+            slow = np.repeat([1.0, 0.0], omega.size)[:, None]
+            matrix = np.hstack([slow, parts]) / known[:, None]
+            found, _ = nnls(matrix, 1 + 0.02 * rng.standard_normal(known.size))
+            rows = tuple((float(each), 0.02, 0.02) for each in omega)
+            limits = Range((1e-2, 1e4), None, misfit=rows)
+            fitted = em.Prony(found[0], found[1:], branches, range=limits)
+            with warnings.catch_warnings(action="ignore"):
+                curve = em.friction(fitted, ROAD, **scene)
+                beyond = curve.uncertainty()["rubber beyond its data"]
+                off = em.friction(truth, ROAD, **scene).mu / curve.mu - 1
+            there = np.asarray(curve.extrapolated, bool)
+            np.testing.assert_array_equal(beyond.share > 0, there)
+            assert there.any()
+            inside += (np.abs(off) <= beyond.share)[there].all()
+            assert (np.abs(off)[there] > 0.1 * beyond.share[there]).any()
+            assert (beyond.after <= beyond.share).all()
+            assert beyond.after.max() < 0.7 * beyond.share.max()
+        assert inside == 6
 
     def test_a_point_that_did_not_converge_leaves_the_advice(self):
         law = em.ShiftTable([280.0, 293.0, 300.0], [0.1, 0.0, -0.2])

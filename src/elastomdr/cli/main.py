@@ -151,7 +151,7 @@ def _parser() -> argparse.ArgumentParser:
                 action="store_true",
                 help="write NAME-friction-uncertainty.csv and .png as well: what mu "
                 "rests on, part by part, and which test would make it surer; takes up "
-                "to twelve times as long",
+                "to thirty times as long",
             )
     for verb, run, words, add_options in _OTHERS:
         add_options(_added(commands, verb, run, words))

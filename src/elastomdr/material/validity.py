@@ -41,6 +41,10 @@ _DECADES = 0.5  # distance at which deviations have a correlation of exp(-1/2)
 # of a modulus's logarithm: changes that no frequency of the data sees are left out
 _RIDGE = 1e-2
 
+_PER_DECADE = 3  # branches of a series that moduli within the data are fitted with
+_HALVINGS = 20  # of the logarithm of a strength
+_SOLID = 1e-3  # share of the slowest modulus that stays, without which it is a liquid
+
 T = TypeVar("T")
 
 
@@ -81,6 +85,7 @@ class Range(NamedTuple):
     misfit: tuple[tuple[float, float, float], ...] = ()
     # of no particular rubber: the file grades the moduli themselves as illustrative
     illustrative_moduli: bool = False
+    within: float = 0.0  # root mean square of the misfit of what draws are of
 
     def at(self, temperature: Array, factor: Array | float) -> "Range | None":
         """The range at one temperature [K], where relaxation times are `factor` times
@@ -234,6 +239,7 @@ def shared(one: Range | None, other: Range | None) -> Range | None:
         beyond,
         tuple(sorted(one.misfit + other.misfit)),
         one.illustrative_moduli or other.illustrative_moduli,
+        max(one.within, other.within),
     )
 
 
@@ -434,4 +440,71 @@ def without_misfit(material: S) -> S:
     """
     if material.range is None:
         return material
-    return replaced(material, range=material.range._replace(misfit=()))
+    within = _size(material.range)
+    return replaced(material, range=material.range._replace(misfit=(), within=within))
+
+
+def _size(known: Range) -> float:
+    """The root mean square of the misfit."""
+    rows = np.array(known.misfit).reshape(-1, 3)[:, 1:]
+    return float(np.sqrt(np.mean(rows**2))) if rows.size else known.within
+
+
+def beyond_data(material: object, wider: float, decades: float | None) -> object | None:
+    """The series with data `wider` at each end, and with a branch so many decades beyond
+    them, beyond their slow end where that is negative, which is as strong as they allow:
+    the other branches, within the data, make up for it there but for the misfit.
+    Without it for 0, the series itself for None; None for what has no record of its
+    data.
+
+    Of all spectra that agree with the data those with a single further branch change
+    what is linear in the spectrum most: both are positive.
+    """
+    from scipy.optimize import nnls
+
+    series: Any = material
+    known: Range | None = getattr(material, "range", None)
+    if known is None or not known.omega:
+        return None
+    low, high = known.omega[0] / wider, known.omega[1] * wider
+    if decades is None:
+        return replaced(series, range=known._replace(omega=(low, high)))
+    if not _size(known) or float(getattr(material, "viscosity", 1.0)):
+        return None
+    count = int(_PER_DECADE * np.log10(high / low)) + 2
+    omega, times = (
+        np.geomspace(low, high, 2 * count),
+        np.geomspace(1 / high, 1 / low, count),
+    )
+    modulus: Any = series.complex_modulus(omega)
+    if not (modulus.imag > 0).all():  # elastic: there is nothing to be off by
+        return None
+
+    def parts(x: np.ndarray) -> np.ndarray:
+        both = np.concatenate([x**2 / (1 + x**2), x / (1 + x**2)])
+        return both / np.concatenate([modulus.real, modulus.imag])[:, None]
+
+    slow = np.concatenate([1 / modulus.real, 0 * omega])[:, None]
+    within = np.hstack([slow, parts(omega[:, None] * times)])
+    further = 10.0**-decades / (high if decades > 0 else low)
+    alone = parts(omega[:, None] * further)[:, 0]
+
+    def fitted(strength: float) -> tuple[np.ndarray, float]:
+        found, off = nnls(within, 1 - strength * alone)
+        return found, off / np.sqrt(2 * omega.size)
+
+    limit = np.hypot(fitted(0.0)[1], _size(known))
+    least, most = np.log10(modulus.real[0]) - 6, np.log10(modulus.real[-1]) + 12
+    for _ in range(_HALVINGS if decades else 0):
+        middle = 0.5 * (least + most)
+        allowed = fitted(10**middle)[1] < limit
+        least, most = (middle, most) if allowed else (least, middle)
+    strength = 10**least if decades else 0.0
+    moduli = fitted(strength)[0]
+    order = np.argsort(every := np.append(times, further))
+    return replaced(
+        series,
+        equilibrium=np.maximum(moduli[0], _SOLID * modulus.real[0]),
+        moduli=np.append(moduli[1:], strength)[order],
+        times=every[order],
+    )

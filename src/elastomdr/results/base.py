@@ -171,7 +171,8 @@ class Change(NamedTuple):
     higher: float = 1.0  # factor on its heights
     sampled: float = 0.0  # standard errors by which its measured spectrum is off
     kelvin: float = 0.0  # by which the rubber is warmer
-    wider: float = 1.0  # factor on the range of its moduli, at each end
+    wider: float | None = None  # factor on the range of its moduli, at each end
+    beyond: float | None = None  # decades from there to a branch, as `beyond_data`
     stress: float = 1.0  # factor on the shear stress
     conducts: int | None = None  # as `Heat.at_end`
 
@@ -198,17 +199,16 @@ class RoadErrors(NamedTuple):
 
     def heights(self) -> Assumed | None:
         """The ends of 95 % of its heights."""
-        factor = math.exp(0.5 * _NORMAL * self.level)
-        says = f"C to +- {self.level:.2g} (one sigma)"
-        ends = Change(higher=factor), Change(higher=1 / factor)
-        return Assumed(says, *ends) if self.level else None
+        return _ends("C", self.level, lambda x: Change(higher=x**0.5))
 
     def end(self) -> Assumed | None:
         """The ends of 95 % of its shortest wave."""
-        factor = math.exp(_NORMAL * self.cutoff)
-        says = f"its upper cutoff to +- {self.cutoff:.2g} (one sigma)"
-        ends = Change(shorter=factor), Change(shorter=1 / factor)
-        return Assumed(says, *ends) if self.cutoff else None
+        return _ends("its upper cutoff", self.cutoff, lambda x: Change(shorter=x))
+
+
+def _ends(what: str, size: float, change: Callable[[float], Change]) -> Assumed | None:
+    factor, says = math.exp(_NORMAL * size), f"{what} to +- {size:.2g} (one sigma)"
+    return Assumed(says, change(factor), change(1 / factor)) if size else None
 
 
 NOT_STATED = RoadErrors()

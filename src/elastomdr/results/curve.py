@@ -36,6 +36,7 @@ from .base import (
 from .doubts import TITLE, Doubt, carried, found, kinds_of_points
 from .friction_law import FrictionLaw, Ranked, gridded
 from .uncertainty import (
+    BEYOND,
     EACH,
     ERRORS,
     FACTOR,
@@ -45,7 +46,6 @@ from .uncertainty import (
     KNOWN,
     SHEAR,
     STRESS,
-    WIDER,
     Part,
     Uncertainty,
     changed,
@@ -221,11 +221,13 @@ class AbstractCurve(AbstractPoints):
         way, its heights by 10 % or, of a scan, its spectrum by two standard errors, the
         shear stress by 20 %, the temperature by 1 K; presets of `em.AdhesiveShear` and
         `em.Heat` are changed within their bands. The coefficient is computed again for
-        each, so that this takes up to eleven times as long as the curve. What a few
-        measured points would leave is the linear update of shortest wave and shear
-        law; where it has no prediction nothing is narrowed, and the bound of the model
-        only where they are measured. Of draws each part is apart from the others: the
-        rubber's is half of the interval of 95 % of its draws, on the road as it is.
+        each, so that this takes up to eleven times as long as the curve, and 18 times
+        more where it leaves the data: there a branch beyond these changes it that they
+        allow (`material.validity.beyond_data`). What a few measured points would leave
+        is the linear update of shortest wave and shear law; where it has no prediction
+        nothing is narrowed, and the bound of the model only where they are measured. Of
+        draws each part is apart from the others: the rubber's is half of the interval of
+        95 % of its draws, on the road as it is.
 
         Args:
             level: relative standard deviation of C, whose 95 % take the place of the
@@ -253,7 +255,7 @@ class AbstractCurve(AbstractPoints):
     def _of_draws(self) -> Iterator[Part]:
         """The parts of draws: of what they are draws of, and what the rubber's change."""
         every = self.again if isinstance(self.again, tuple) else ()
-        rubbers = [None if each is None else each.material for each in every]
+        rubbers = [each.material for each in every if each]
         one, of_rubber, call = next(self.each_material()), self, self.once
         once = None if call is None else call.curve(Change())
         if call is not None and isinstance(once, AbstractCurve):
@@ -293,23 +295,38 @@ class AbstractCurve(AbstractPoints):
         """The parts; of those that measured points narrow, the slope in place of what
         these leave.
         """
-        shown = np.asarray(self._shown(), dtype=float)
+        shown = self._shown()
         yield from computed(self, shown, self.error, self._bound(), self._measured)
         if self.extrapolated is not None and np.any(self.extrapolated):
-            curve = None if self._call is None else self._call.curve(WIDER)
-            left = self if curve is None else curve
-            share, after = (
-                np.where(np.asarray(x.extrapolated, bool), np.nan, 0.0)
-                for x in (self, left)
-            )
+            share, after = self._beyond(1.0), self._beyond(10.0)
             test = "moduli measured over one more decade at each end"
-            yield Part("rubber beyond its data", share, "not measured", test, after)
+            said = "by a branch there that the data allow"
+            yield Part("rubber beyond its data", share, said, test, after)
         yield from self._further()
+
+    def _beyond(self, wider: float) -> np.ndarray:
+        """What moduli beyond the data may change, where these were `wider` at each end;
+        NaN where that is not known, as at temperatures beyond them.
+        """
+        shown = self._shown()
+        curves = [self._once_more(Change(wider=wider, beyond=x)) for x in BEYOND]
+        ends = [0 * shown + (np.nan if c is None else c._shown()) for c in curves]
+        share = np.max(np.abs(np.array(ends) / shown - 1), axis=0)
+        left, lost = (
+            np.asarray((self._once_more(Change(wider=x)) or self).extrapolated, bool)
+            for x in (wider, 1e99)
+        )
+        return np.where(left, np.where(lost, np.nan, share), 0.0)
+
+    def _once_more(self, change: Change) -> AbstractCurve | None:
+        """The curve with one thing changed; None where it cannot be computed."""
+        curve = None if self._call is None else self._call.curve(change)
+        return curve if isinstance(curve, AbstractCurve) else None
 
     def _part(self, source: str, off: Assumed, test: str, left: float) -> Part:
         """What is stated or assumed, with the share of it that the test leaves."""
-        call, shown = self._call, np.asarray(self._shown(), dtype=float)
-        ends = [None if call is None else call.curve(change) for change in off[1:]]
+        shown = np.asarray(self._shown(), dtype=float)
+        ends = [self._once_more(change) for change in off[1:]]
         share, slope, lost = changed(shown, self.examined(), ends)
         after = slope if test == self._measured else left * share
         return Part(source, share, off.says + lost, test, after)
@@ -321,9 +338,9 @@ class AbstractCurve(AbstractPoints):
 
     def _bound(self) -> Array:
         """The bound of the model, or what the limits leave for it."""
-        if (ends := self._ends()) is not None:
-            (low, high), shown = ends, self._shown()
-            return np.maximum(high - shown, shown - low) - self.error
+        if ends := self._ends():
+            off = [np.abs(end - self._shown()) for end in ends]
+            return np.maximum(*off) - self.error
         return 0.0 * self.error if self.model_error is None else self.model_error
 
     def _further(self) -> Iterator[Part]:
@@ -355,11 +372,12 @@ def sure(
     computed = f"computation {significant(share * off, 2)} %"
     if bound is None:
         return f"{computed}, no error of the model"
-    ends = (shown - error - bound, shown + error + bound) if ends is None else ends
+    half = error + bound
+    ends = ends or (shown - half, shown + half)
     model, low, high = (float(np.ravel(x)[i]) for x in (bound, *ends))
     there = (
         f"{significant(max(low, 0.0), 3)} to {significant(high, 3)}"
-        if np.isfinite(low) and np.isfinite(high)
+        if np.isfinite(low + high)
         else "not known"
     )
     if not np.isfinite(model):
@@ -520,10 +538,9 @@ class FrictionCurve(AbstractCurve):
         return gridded(_gridded_fields(self), doubts)
 
     def _further(self) -> Iterator[Part]:
-        call, bands, errors = self._call, [None, None], NOT_STATED
-        if call is not None:
-            bands, errors = call.bands, call.errors
-        shear, heat = bands
+        call = self._call
+        shear, heat = (None, None) if call is None else call.bands
+        errors = NOT_STATED if call is None else call.errors
         level = errors.heights()
         if self.pressure is not None:
             yield self._part("road", errors.end() or FACTOR, self._measured, 0.0)

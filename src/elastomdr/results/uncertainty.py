@@ -5,14 +5,14 @@ Numerical error and bound of the model are those of the curve. What else was not
 as an uncertainty is taken by a convention, which each row names: the shortest wave of a
 road a factor of two longer or shorter, its heights 10 % off where no scan says how well
 they are known, a shear stress 20 %, a temperature 1 K. So is what a test leaves; what
-measured friction leaves follows from the derivatives of mu. What moduli beyond their data
-are is not known.
+measured friction leaves follows from the derivatives of mu. Moduli beyond
+their data are changed as far as these allow.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -46,7 +46,7 @@ ERRORS = Assumed(
     Change(sampled=-2.0),
 )
 STRESS = Assumed("shear stress off by 20 %", Change(stress=1.2), Change(stress=0.8))
-WIDER = Change(wider=10.0)
+BEYOND = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, -1.0)  # decades from the data to a branch
 KELVIN = Assumed("off by 1 K", Change(kelvin=1.0), Change(kelvin=-1.0))
 SMALL = 0.02  # share of the band that a test must take away to be named
 EACH = 0.05  # how well a measured coefficient is known, relative
@@ -154,10 +154,9 @@ class Uncertainty(AbstractPoints):
 
     def describe(self, q: Quantity) -> Quantity:
         """The value is of the quantity that it is about."""
-        if q.path not in ("value", "error", "model_error"):
-            return q
-        label = self.about.label if q.path == "value" else q.label
-        return q._replace(label=label, unit=self.about.unit)
+        about = self.about
+        own = q._replace(label=about.label, unit=about.unit)
+        return own if q.path == "value" else q
 
     def fields(self, dims: str | None = "...") -> dict[Quantity, np.ndarray]:
         """As of every result, each of the shape of the shares."""
@@ -217,10 +216,8 @@ class Uncertainty(AbstractPoints):
         before = float(np.max(self.half_band()[good], initial=0.0))
         for test in dict.fromkeys(self.tests):
             parts = [part for part in self if part.test == test]
-            lost, left = (
-                int(np.isnan([x[good] for x in shares]).any(axis=0).sum())
-                for shares in ([p.share for p in parts], [p.after for p in parts])
-            )
+            every = np.array([(p.share[good], p.after[good]) for p in parts])
+            lost, left = np.isnan(every).any(axis=0).sum(axis=-1).tolist()
             after = np.max(self.half_band(test)[good], initial=0.0)
             after = np.nan if left else float(after)
             lower = after < (np.inf if np.isnan(before) else before * (1 - SMALL))
@@ -245,7 +242,7 @@ class Uncertainty(AbstractPoints):
         there = "not known" if np.isnan(value * half) else " to ".join(ends)
         parts = (f"{p.source} {percent(x)}" for x, p in one.largest() if x >= SEEN)
         yield "how sure", f"{there} there: {', '.join(parts)}"
-        rests = [dict(self.inputs).get("material", ""), self.short_model()]
+        rests = [*self._rests_on(0)]
         rests += [f"not in the band: {', '.join(left_out)}"] if left_out else []
         rests += [f"surer: {each.words()}" for each in self.surer()[:1]]
         yield "rests on", "; ".join(filter(None, rests))
@@ -297,7 +294,7 @@ def unknown(source: str, value: Array, assumed: str, test: str) -> Part:
 
 
 def changed(
-    shown: np.ndarray, told: Iterable[Doubt], curves: list[Result | None]
+    shown: np.ndarray, told: Iterable[Doubt], curves: Sequence[Result | None]
 ) -> tuple[np.ndarray, np.ndarray, str]:
     """The larger change of what is shown, up or down, relative, NaN where one is not
     known; half of the difference, with its sign; and in words where one has no

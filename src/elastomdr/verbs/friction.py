@@ -15,6 +15,7 @@ from ..call.several_materials import over_materials
 from ..checks import is_traced, numpy_unless_traced
 from ..errors import InputError, quiet
 from ..material.relaxation import scaled
+from ..material.validity import beyond_data
 from ..models import Line, as_model
 from ..progress_bar import reporter
 from ..results.base import NOT_STATED, Assumed, Change, RoadErrors
@@ -36,7 +37,6 @@ from .steady import in_64_bits_where, steady_contact
 if TYPE_CHECKING:
     from .._types import ArrayLike, Branch, Number
     from ..call.types import Indenter, Materials, ModelLike, Surface
-    from ..material.validity import Range
     from ..results.plot_contacts import SteadyElements
 
 
@@ -86,11 +86,11 @@ class CallAgain:
         if change.kelvin:
             warmer = np.asarray(asked.temperature, dtype=float) + change.kelvin
             asked = dataclasses.replace(asked, temperature=warmer)
-        known: Range | None = getattr(call.material, "range", None)
-        if change.wider != 1 and known is not None and known.omega:
-            ends = known.omega[0] / change.wider, known.omega[1] * change.wider
-            wide: Any = replaced(call.material, range=known._replace(omega=ends))
-            call = dataclasses.replace(call, material=wide)
+        if change.wider is not None:
+            solid: Any = beyond_data(call.material, change.wider, change.beyond)
+            if solid is None:
+                return None
+            call = dataclasses.replace(call, material=solid)
         if adhesion is not None:
             adhesion = replaced(adhesion, stress=adhesion.stress * change.stress)
         given = {"asked": asked, "rtol": max(call.rtol, _ROUGHLY)}
