@@ -16,6 +16,7 @@ from elastomdr.errors import InputError
 from elastomdr.fit import (
     abaqus_card,
     ansys_card,
+    comsol_card,
     dyna_card,
     plain_card,
     radioss_card,
@@ -199,6 +200,7 @@ def test_material_file_is_complete(tmp_path):
                 "-abaqus.inp",
                 "-ansys.mac",
                 "-radioss.rad",
+                "-comsol.m",
                 "-dyna.k",
                 "-report.html",
                 "-master.png",
@@ -490,6 +492,39 @@ def test_cards_of_explicit_programs_relax_as_the_material(
     assert bulk == pytest.approx(expected, rel=accuracy)
     assert ("only at this temperature" in card) == (material.shift is not None)
     assert "density" in card
+
+
+@pytest.mark.parametrize(
+    "law", [None, em.WLF(8.9, 101.6, 293.15), em.Arrhenius(8e4, 293.15)], ids=str
+)
+def test_a_card_of_comsol_relaxes_as_the_material(law):
+    """Read back with its own shift, at another temperature than its reference."""
+    material = em.Prony(1e6, [3e6, 2e9], [0.1, 1e-9], shift=law, poisson=0.49)
+    card = comsol_card(material)
+    kelvin, r_const = 313.15, 8.314462618
+
+    def number(text):
+        text = re.sub(r"\[[^\]]*\]", "", text).replace("^", "**")
+        names = {"T_rubber": kelvin, "R_const": r_const, "exp": np.exp}
+        return eval(text, names | {"a_T": factor})
+
+    factor = 1.0
+    set_to = dict(re.findall(r"\.set\('(\w+)', '([^']*)'\);", card))
+    factor = number(set_to.get("a_T", "1"))
+    columns = {
+        name: [number(one) for one in re.findall(r"'([^']*)'", values)]
+        for name, values in re.findall(r"\.set\('(\w+)', \{([^}]*)\}\);", card)
+    }
+    t = np.geomspace(1e-10, 1e3, 40)
+    relaxed = number(set_to["G"]) + sum(
+        g * np.exp(-t / tau)
+        for g, tau in zip(columns["Gvm"], columns["tauvm"], strict=True)
+    )
+    there = material if law is None else material.at(kelvin)
+    np.testing.assert_allclose(relaxed, there.relaxation(t), rtol=1e-6)
+    bulk = 2 * material.instantaneous * 1.49 / (3 * 0.02)
+    assert number(set_to["K"]) == pytest.approx(bulk, rel=1e-6)
+    assert "Viscoelasticity" not in comsol_card(em.Prony(1e6, [], []))
 
 
 def test_cards_of_an_elastic_rubber_and_of_a_liquid():

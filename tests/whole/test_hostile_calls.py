@@ -347,6 +347,7 @@ CALLS = {
     ),
     "fit.abaqus_card": (em.fit.abaqus_card, {"material": SOLID}),
     "fit.ansys_card": (em.fit.ansys_card, {"material": SOLID}),
+    "fit.comsol_card": (em.fit.comsol_card, {"material": SOLID}),
     "fit.dyna_card": (em.fit.dyna_card, {"material": SOLID}),
     "fit.plain_card": (em.fit.plain_card, {"material": SOLID}),
     "fit.radioss_card": (em.fit.radioss_card, {"material": SOLID}),

@@ -59,6 +59,7 @@ _FIT = {
     "Ansys": "-ansys.mac",
     "LS-DYNA": "-dyna.k",
     "Radioss": "-radioss.rad",
+    "COMSOL": "-comsol.m",
 }
 Files: TypeAlias = dict[str, tuple[str, Callable[[], bytes]]]
 
@@ -149,7 +150,8 @@ class ExportStage:
                     ui.button(label, on_click=partial(self._give, name, make)).props(
                         BUTTON + first
                     )
-            ui.label(taken.text).classes("words").props("tabindex=0")
+            if taken.text:
+                ui.label(taken.text).classes("words").props("tabindex=0")
 
     async def _give(self, name: str, make: Callable[[], bytes]) -> None:
         if self._busy.on:
@@ -178,7 +180,8 @@ def _of_fit(fitted: Fitted) -> Taken:
         if label != "LS-DYNA" or material.moduli.size < DYNA_TERMS
     }
     files["All (zip)"] = f"{stem}.zip", lambda: zipped(fitted.fit.files())
-    return Taken(f"Rubber {stem}", fitted.command, files, spoken(fitted.summary))
+    # what the fit says stands on the screen Rubber, and in its report
+    return Taken(f"Rubber {stem}", fitted.command, files, "")
 
 
 def report(stem: str, done: Done, scene: str) -> bytes:

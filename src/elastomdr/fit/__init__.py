@@ -15,6 +15,7 @@ _HOMES = {
     "report": (
         "abaqus_card",
         "ansys_card",
+        "comsol_card",
         "dyna_card",
         "plain_card",
         "radioss_card",

@@ -18,6 +18,7 @@ from .pipeline import from_hardness as from_hardness
 from .pipeline import material as material
 from .report import abaqus_card as abaqus_card
 from .report import ansys_card as ansys_card
+from .report import comsol_card as comsol_card
 from .report import dyna_card as dyna_card
 from .report import plain_card as plain_card
 from .report import radioss_card as radioss_card

@@ -767,10 +767,6 @@ class _Task(NamedTuple):
             )
         return first
 
-    def guessed_error(self) -> np.ndarray:
-        size = _ASSUMED * max(float(np.abs(self.data).max()), 1e-12)
-        return np.full(self.data.shape, size)
-
     def likelihood(self, p: np.ndarray, solution: _Solution) -> float:
         """Logarithm of the probability of parameters given the data, up to a constant;
         an error that was estimated is integrated over.
@@ -815,11 +811,13 @@ def _solve(task: _Task) -> _Solution:
     """Least squares; where no error is given with the same at all points, with one that
     follows the coefficient, and with the likelier of the two. Raises `InputError`.
     """
-    used = np.isfinite(task.first())
+    computed = task.first()
+    used = np.isfinite(computed)
     surest = np.maximum(_SUREST * np.abs(task.data), 1e-9)
-    raw = task.guessed_error() if task.error is None else task.error
+    guess = np.full(task.data.shape, _ASSUMED * np.abs(task.data).max())
+    raw = guess if task.error is None else task.error
     point, evaluations, converged = task.begin, 0, False
-    computed, found = task.compute(point), []
+    found: list[np.ndarray] = []
     for follows in (False, True, None) if task.error is None else (None,):
         if follows:
             raw = task.scatter(computed, used, follows)
@@ -831,7 +829,7 @@ def _solve(task: _Task) -> _Solution:
             point, evaluations = answer.x, evaluations + int(answer.nfev)
             converged = bool(answer.success)
         computed = task.compute(point)
-        used = used & np.isfinite(computed)
+        used &= np.isfinite(computed)
         if follows is not None:
             found.append(task.scatter(computed, used, follows))
     scatter = "assumed"

@@ -60,6 +60,7 @@ from .report import (
     AbstractFindings,
     abaqus_card,
     ansys_card,
+    comsol_card,
     dyna_card,
     plain_card,
     radioss_card,
@@ -490,6 +491,7 @@ class MaterialFit(AbstractFindings):
             f"{stem}-abaqus.inp": abaqus_card(self.material),
             f"{stem}-ansys.mac": ansys_card(self.material),
             f"{stem}-radioss.rad": radioss_card(self.material),
+            f"{stem}-comsol.m": comsol_card(self.material),
         }
         if self.material.moduli.size < DYNA_TERMS:
             texts[f"{stem}-dyna.k"] = dyna_card(self.material)

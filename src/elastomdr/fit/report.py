@@ -258,6 +258,25 @@ _EXPLICIT = 0.4995  # stands for 0.5 in explicit programs
 DYNA_TERMS = 18  # of *MAT_GENERAL_VISCOELASTIC, with the equilibrium modulus
 
 
+_RUBBER = "model.physics('solid').feature('rubber')"
+_COMSOL = f"""\
+% choose the domains; in two dimensions write 2 for 3
+model.param.set('T_rubber', '{{}}');
+model.param.set('a_T', '{{}}');
+model.physics('solid').create('rubber', 'LinearElasticModel', 3);
+{_RUBBER}.set('IsotropicOption', 'KG');
+{_RUBBER}.set('K_mat', 'userdef');
+{_RUBBER}.set('G_mat', 'userdef');
+{_RUBBER}.set('K', '{{:.10g}}[Pa]');
+{_RUBBER}.set('G', '{{:.10g}}[Pa]');
+"""
+_COMSOL_TERMS = f"""\
+{_RUBBER}.create('vis1', 'Viscoelasticity', 3);
+{_RUBBER}.feature('vis1').set('Gvm', {{{{{{}}}}}});
+{_RUBBER}.feature('vis1').set('tauvm', {{{{{{}}}}}});
+"""
+
+
 def abaqus_card(material: Prony) -> str:
     """Abaqus keywords *ELASTIC or *HYPERELASTIC, *VISCOELASTIC and *TRS for a material
     at its reference temperature.
@@ -427,6 +446,41 @@ def radioss_card(material: Prony, number: int = 1) -> str:
     return f"{law}/VISC/PRONY/{int(number)}\n{order}\n{rows}"
 
 
+def comsol_card(material: Prony) -> str:
+    """COMSOL commands (LiveLink, a .m file) that add the material to a model with Solid
+    Mechanics; names as in files that COMSOL 5.3 and 6.2 exported, not run in it.
+
+    Relaxation times are shifted by a parameter, T_rubber, one temperature for all; a
+    shift function of the node, for a field, is to be set by hand.
+
+    Args:
+        material: the material, a `Prony`.
+
+    Returns:
+        The lines of the file.
+
+    Raises:
+        InputError: as `abaqus_card`.
+    """
+    card = _explicit(material, 1)
+    (equilibrium, _), *terms = card.terms
+    a_t = "1"
+    law = _as_wlf(material) or material.shift
+    t_0 = f"{float(getattr(law, 'reference', 293.15)):.8g}[K]"
+    over = f"(T_rubber-{t_0})"
+    if isinstance(law, WLF):
+        a_t = f"10^(-{float(law.c1):.8g}*{over}/({float(law.c2):.8g}[K]+{over}))"
+    elif isinstance(law, Arrhenius):
+        a_t = f"exp(-{float(law.energy):.8g}[J/mol]*{over}/(R_const*T_rubber*{t_0}))"
+    notes = (f"% {x}\n" for x in card.notes if a_t == "1" or x != _NO_TABLE)
+    text = "".join(notes) + _COMSOL.format(t_0, a_t, card.bulk, equilibrium)
+    if not terms:
+        return text
+    g = " ...\n".join(f"'{modulus:.10g}[Pa]'" for modulus, _ in terms)
+    tau = " ...\n".join(f"'a_T/{rate:.10g}[1/s]'" for _, rate in terms)
+    return text + _COMSOL_TERMS.format(g, tau)
+
+
 def plain_card(material: Prony) -> str:
     """Relaxation times and moduli as a comma-separated table, with the rest of the
     material in header lines.
@@ -485,7 +539,7 @@ def _explicit(material: Prony, number: int) -> _Explicit:
     notes += [_NO_TABLE] * (material.shift is not None)
     notes += [
         f"bulk modulus constant, by at most {_EXPLICIT} for Poisson's ratio",
-        "fill in the density (RO, RHO_I), which the material does not say",
+        "fill in the density, which the material does not say",
     ]
     poisson = min(poisson, _EXPLICIT)
     bulk = 2 * shear * (1 + poisson) / (3 * (1 - 2 * poisson))
