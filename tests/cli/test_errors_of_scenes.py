@@ -163,6 +163,16 @@ def test_the_ends_of_a_span_are_called_as_in_the_file():
     assert refused.value.subject == "from"
 
 
+@pytest.mark.parametrize("typed", ["0 mm", "1e-101 m", "1e101 m"])
+def test_lengths_are_positive_and_may_be_squared(typed):
+    """Before a call is made of them."""
+    text = BODY.replace('radius = "5 mm"', f'radius = "{typed}"')
+    assert typed in text
+    with pytest.raises(InputError) as refused:
+        decoded("friction", tomllib.loads(text))
+    assert refused.value.got == typed
+
+
 @pytest.mark.parametrize(
     ("case", "amounts"),
     [
