@@ -92,10 +92,25 @@ def test_springs_end_where_they_are_compressed_to_nothing():
     np.testing.assert_array_equal(estimates(curve), [False, True])
 
 
-def test_a_line_given_directly_has_no_strains():
-    line = em.Foundation(1e6, [1e6], [1e-2])
-    curve = em.friction(line, BALL, velocity=1.0, depth=3 * R)
-    assert not any("beyond the linear" in doubt.says for doubt in curve.examined())
+@pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")
+@pytest.mark.parametrize("verb", ["friction", "indent", "slide"])
+def test_numbers_given_directly_are_a_half_space_under_a_ball(verb):
+    """And springs without a thickness, of no strain, under a cylinder or by name."""
+    depth, time = np.array([0.5, 3.0]) * R, np.array([0.0, 1.0])
+    calls = {
+        "friction": lambda *on: em.friction(*on, velocity=1.0, depth=depth),
+        "indent": lambda *on: em.indent(*on, time=time, depth=depth),
+        "slide": lambda *on: em.slide(
+            *on, time=time, position=R * time, depth=depth, rtol=1e-2
+        ),
+    }
+    given, springs = (
+        em.Foundation(1e6, [1e6], [1e-2], per_area=kind) for kind in (None, True)
+    )
+    np.testing.assert_array_equal(estimates(calls[verb](given, BALL)), [False, True])
+    for on in ((springs, BALL), (given, em.Cylinder(R, 1.0))):
+        found = calls[verb](*on).examined()
+        assert not any("beyond the linear" in doubt.says for doubt in found)
 
 
 def test_under_jit_the_mask_is_that_of_the_plain_call():

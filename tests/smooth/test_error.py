@@ -23,6 +23,7 @@ from .test_steady import BROAD, SHAPES
         pytest.param("sphere", 1e-6, marks=pytest.mark.slow),
     ],
 )
+@pytest.mark.filterwarnings("ignore:.*deeper than the radius")
 def test_rtol_is_honoured_and_covered(shape, rtol):
     foundations = {
         "broad": BROAD,

@@ -1,5 +1,7 @@
 """Balls, cones and punches on rubber of finite thickness: pressed, struck, sliding."""
 
+import contextlib
+import re
 import subprocess
 import sys
 
@@ -335,3 +337,41 @@ def test_gradients():
                 + each(x - 2 * step)
             ) / 12e-4
             np.testing.assert_allclose(found[i], slope, rtol=1e-6)
+
+
+_HALF = em.Prony(1e6, [2e6], [0.1])
+
+
+@pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")
+@pytest.mark.parametrize("shape", [em.Sphere(0.01), em.Cylinder(0.01, 0.1)])
+@pytest.mark.parametrize(
+    "body",
+    [
+        _HALF,
+        em.half_space(_HALF),
+        em.layer(_HALF, 5e-3),
+        em.springs(_HALF, 5e-3, bonded=False),
+        em.Foundation(1e6, [2e6], [0.1]),
+    ],
+    ids=["rubber", "half-space", "layer", "springs", "numbers"],
+)
+def test_models_that_an_error_lists_are_those_there_are(body, shape):
+    def computed(model):
+        return em.friction(
+            body, shape, velocity=0.1, load=1.0, model=model, rtol=1e-2
+        ).mu
+
+    kinds = {
+        kind.__name__: kind()
+        for kind in (em.Averaged, em.Line, em.Marched, em.Multiscale, em.Persson)
+    }
+    kinds["HalfSpace"] = em.HalfSpace(cells=16)
+    there = set()
+    for name, model in kinds.items():
+        with contextlib.suppress(em.InputError):
+            assert np.isfinite(computed(model))
+            there.add(name)
+    with pytest.raises(em.InputError) as refusal:
+        computed(em.Persson())
+    assert refusal.value.argument == "model"
+    assert set(re.findall(r"em\.(\w+)\(", str(refusal.value.accepted))) == there

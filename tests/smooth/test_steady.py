@@ -274,6 +274,7 @@ def test_power_laws_join_up():
 
 
 @pytest.mark.parametrize("exponent", [1.001, 1.5, 9.5, 40.0, 120.0])
+@pytest.mark.filterwarnings("ignore:.*deeper than the radius")
 def test_small_losses_of_power_laws_keep_their_digits(exponent):
     """Slowly, mu = (E_1/E_inf) v tau (1/a^2) d n (n + 1)/(2 n - 1): int g'^2 over the
     elastic contact; by hand.

@@ -237,6 +237,7 @@ def test_energy_of_the_history():
     np.testing.assert_allclose(work, 0.5 * M * (V**2 - h.velocity[-1] ** 2), rtol=2e-3)
 
 
+@pytest.mark.filterwarnings("ignore:.*deeper than the radius")
 def test_broadcasts_and_many_materials():
     """Masses, velocities and materials in one call are the same as one by one; branches
     need not be as many.

@@ -15,6 +15,8 @@ from elastomdr.surface.disc import contact_measure
 
 from .bouncing import BALL, DM, KELVIN_VOIGT, E, M, R, V, impact, kelvin_voigt
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*deeper than the radius")
+
 
 def test_a_relaxation_time_far_below_the_step_is_a_dashpot():
     tau = 1e-12

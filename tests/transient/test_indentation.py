@@ -337,6 +337,7 @@ def test_layer_profile_and_cylinder():
     np.testing.assert_allclose(spline.depth, exact.depth, rtol=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore:.*deeper than the radius")
 def test_a_sphere_pressed_to_its_equator():
     with pytest.warns(em.ConvergenceWarning, match="wider than the sphere"):
         result = em.indent(

@@ -262,6 +262,7 @@ class TestExtremes:
         same = loop_to_full_slip()
         np.testing.assert_allclose(found.force[1:], same.force[1:], atol=2e-6 * LOAD)
 
+    @pytest.mark.filterwarnings("ignore:.*deeper than the radius")
     def test_a_liquid_sinks_beyond_its_body(self):
         liquid = em.Foundation(0.0, [E], [1e-2])
         scene = {

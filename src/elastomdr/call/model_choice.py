@@ -2,12 +2,20 @@
 default of the shape; of surfaces see `verbs/roads.py`.
 """
 
-from typing import TypeGuard
+from __future__ import annotations
 
+from typing import TYPE_CHECKING, TypeGuard
+
+from ..element.law import Foundation
+from ..element.layer import Layer
 from ..errors import InputError
 from ..models import Averaged, Line, Marched, Model, as_model, named
 from ..surface.rough_line import RoughLine
+from ..surface.shapes import Cylinder
 from ..surface.spectrum import AbstractSpectrum
+
+if TYPE_CHECKING:
+    from .types import Indenter, Material
 
 # options of em.Line that smooth bodies do not have
 _OF_SURFACES = "equivalent_length", "seeds", "samples", "periods"
@@ -59,6 +67,18 @@ def of_smooth(model: Model | str | None, quantity: str, label: str) -> Averaged 
         got=model,
         accepted=named(Averaged(), Line(), Marched()) + f" for {quantity} of a {label}",
     )
+
+
+def models_of(material: Material, shape: Indenter, whole: Model) -> list[Model]:
+    """The models of friction of a smooth body; `whole` is that in three dimensions."""
+    ball = not isinstance(shape, Cylinder)
+    springs = isinstance(material, Foundation) and material.is_springs(shape)
+    known: list[Model] = [Averaged(), Line()]
+    if springs or (ball and not isinstance(material, Layer)):
+        known.append(Marched())
+    if ball and not springs:
+        known.append(whole)
+    return known
 
 
 def of_layer(model: Model | str | None, quantity: str, label: str) -> Averaged | Line:

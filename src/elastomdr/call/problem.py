@@ -237,10 +237,10 @@ def doubt_depth(
 
     The mean strain of a contact, 0.2 a/R under a ball (Tabor 1951; Johnson 1985, section
     6.3), is 0.2 d/a under any body. Above d = a it is no small one, and a paraboloid,
-    which stands for a ball of radius R, has left it at a = R. A line that is given
-    directly, as an `em.Foundation`, has no strains.
+    which stands for a ball of radius R, has left it at a = R. Springs of an
+    `em.Foundation` that is given directly have no thickness, and no strains.
     """
-    springs = isinstance(body, Foundation) and body.per_area is not False
+    springs = isinstance(body, Foundation) and body.is_springs(shape)
     thick = body.thickness if isinstance(body, Foundation) and springs else None
     if springs and thick is None:
         return ()

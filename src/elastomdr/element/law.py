@@ -47,6 +47,7 @@ from ..material.tabulated import (
     needs_series,
 )
 from ..material.validity import Range, RangeLike, as_range, shared
+from ..surface.shapes import Cylinder
 from ..trees import Tree, fill, replaced, static
 
 if TYPE_CHECKING:
@@ -167,6 +168,11 @@ class Foundation(AbstractRelaxation):
             f"Foundation({label}{float(self.equilibrium):.4g} {unit} relaxed, "
             f"{glassy:.4g} {unit} glassy, {self.moduli.size} branches{span}{dashpot})"
         )
+
+    def is_springs(self, shape: object) -> bool:
+        """Whether its numbers are per area under this shape."""
+        on_line = isinstance(shape, Cylinder)
+        return on_line if self.per_area is None else self.per_area
 
     def law(self) -> Relaxation:
         return Relaxation(self.equilibrium, self.moduli, self.times, self.viscosity)

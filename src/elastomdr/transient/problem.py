@@ -381,14 +381,13 @@ def standing(foundations: list[Foundation], material: object, shape: object) -> 
     where half-space and shape do not go together.
     """
     check_shape(shape)
-    cylinder = isinstance(shape, Cylinder)
-    kinds = {cylinder if f.per_area is None else f.per_area for f in foundations}
+    kinds = {foundation.is_springs(shape) for foundation in foundations}
     if len(kinds) > 1:
         raise InputError(
             argument="material", accepted="a list of half-spaces or a list of layers"
         )
     per_area = kinds.pop()
-    if cylinder and not per_area:
+    if isinstance(shape, Cylinder) and not per_area:
         raise no_cylinder(material)
     return per_area
 

@@ -27,7 +27,6 @@ from ..rough.problem import RoughCall
 from ..rough.road_model import SurfaceModel
 from ..smooth.on_layer import is_on_layer
 from ..smooth.problem import SmoothCall, check
-from ..surface.shapes import AbstractShape
 from ..surface.spectrum import AbstractSpectrum
 from ..surface.topography import MeasuredSurface
 from ..trees import replaced
@@ -181,12 +180,11 @@ def repeatable(
 
 def _on_smooth(call: SmoothCall, adhesion: AdhesiveShear | None) -> FrictionCurve:
     """Friction of a smooth body."""
-    if isinstance(call.shape, AbstractShape):
-        cells = cells_of_body(call.model, "friction", call.shape.label)
-        if cells is not None:
-            from ..reference.half_space import friction_on_cells
+    cells = cells_of_body(call)
+    if cells is not None:
+        from ..reference.half_space import friction_on_cells
 
-            return friction_on_cells(call, adhesion, cells)
+        return friction_on_cells(call, adhesion, cells)
     contact = steady_contact(call)
     solution = contact.solution
     curve = FrictionCurve(

@@ -14,7 +14,6 @@ from ..rough.heat import Heat
 from ..rough.problem import RoughCall
 from ..smooth.plan import Plan
 from ..smooth.problem import LayerPlan, SmoothCall
-from ..surface.shapes import AbstractShape
 from .roads import cells_of_body, hint_at_line, of_rough, plan_by
 from .steady import steady_plan
 
@@ -67,11 +66,11 @@ def plan(
         hint_at_line(model, shape, asked)
         return planned
     only_rough(heat=heat, direction=direction)
-    if isinstance(shape, AbstractShape):
-        cells = cells_of_body(model, quantity, shape.label)
-        if cells is not None:
-            from ..reference.half_space import grid_words
-
-            return grid_words(cells)
     body: Any = shape  # anything else is refused there
-    return steady_plan(SmoothCall(quantity, solid, body, asked, model, rtol))
+    smooth = SmoothCall(quantity, solid, body, asked, model, rtol)
+    cells = cells_of_body(smooth)
+    if cells is not None:
+        from ..reference.half_space import grid_words
+
+        return grid_words(cells)
+    return steady_plan(smooth)

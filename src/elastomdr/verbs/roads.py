@@ -7,7 +7,7 @@ from __future__ import annotations
 import dataclasses
 from typing import TYPE_CHECKING
 
-from ..call.model_choice import of_smooth
+from ..call.model_choice import models_of, of_smooth
 from ..call.problem import Asked
 from ..errors import InputError, ModelWarning, warn
 from ..models import Averaged, Line, Marched, Model, as_model, named
@@ -15,6 +15,7 @@ from ..rough.adhesion import no_area
 from ..rough.road_model import SurfaceModel
 from ..rough.road_models import HalfSpace, Multiscale, Persson
 from ..surface.rough_line import RoughLine
+from ..surface.shapes import AbstractShape
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from ..results.curve import FrictionCurve
     from ..rough.problem import RoughCall
     from ..rough.surface import SurfacePlan
+    from ..smooth.problem import SmoothCall
     from ..surface.spectrum import AbstractSpectrum
 
 KINDS: dict[str, type[Model]] = {
@@ -40,21 +42,20 @@ KINDS: dict[str, type[Model]] = {
 _CELLS = 64  # along each side of the grid of a smooth body, by default
 
 
-def cells_of_body(model: Model | str | None, quantity: str, label: str) -> int | None:
+def cells_of_body(call: SmoothCall) -> int | None:
     """Cells along each side of the grid of a smooth body by `em.HalfSpace`, which has
-    its friction alone; None on a line. Raises `InputError`.
+    its friction alone; None on a line, and of what is no body. Raises `InputError`.
     """
-    model = as_model(model, KINDS)
-    if quantity != "friction" or not isinstance(model, SurfaceModel):
-        of_smooth(model, quantity, label)
+    if not isinstance(call.shape, AbstractShape):
+        return None
+    model, label = as_model(call.model, KINDS), call.shape.label
+    if call.quantity != "friction" or not isinstance(model, SurfaceModel):
+        of_smooth(model, call.quantity, label)
         return None
     if not isinstance(model, HalfSpace):
-        raise InputError(
-            argument="model",
-            got=model,
-            accepted=named(Averaged(), Line(), Marched(), HalfSpace())
-            + f" for a {label}",
-        )
+        known = models_of(call.material, call.shape, HalfSpace())
+        accepted = named(*known) + f" for a {label}"
+        raise InputError(argument="model", got=model, accepted=accepted)
     if model.seeds != 1 or model.periods is not None:
         raise InputError(
             argument="model",
