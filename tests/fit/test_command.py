@@ -231,12 +231,14 @@ def with_draws(folder, scene):
 
 
 def on_a_map(folder, scene):
+    """Skew heights without a lay, whose directions would take a minute."""
     along = 2 * np.pi * np.arange(64) / 64
-    phases = np.random.default_rng(0).uniform(0, 2 * np.pi, (8, 8))
+    phases = np.random.default_rng(0).uniform(0, 2 * np.pi, (8, 17))
     heights = sum(
         np.cos(i * along[:, None] + j * along + phases[i, j]) / (i * i + j * j)
-        for i in range(1, 8)
-        for j in range(1, 8)
+        for i in range(8)
+        for j in range(-7, 8)
+        if i or j > 0
     )
     np.savetxt(folder / "map.csv", np.exp(heights), delimiter=",")  # skew
     head, tail = scene.split("[surface]", 1)
@@ -267,7 +269,7 @@ def test_the_written_scene_is_computed(changed, tmp_path, monkeypatch, capsys):
     asked = ["friction", "new/rig-calibrated.toml", "--out", "new", "--verbose"]
     assert main(asked) == 0
     out, err = capsys.readouterr()
-    assert "error" not in err
+    assert "error" not in err.replace("model_error", "")
     doubted = tomllib.loads(text)["doubts"]
     assert doubted  # which go with the numbers, into every file
     surface = (tmp_path / "new" / "rig-surface.csv").read_text()
