@@ -4,6 +4,7 @@ and against numbers of another program.
 """
 
 import itertools
+from functools import cache
 
 import jax
 import numpy as np
@@ -35,6 +36,7 @@ def conductance(pressure):
     return leak(pressure, 1e-7 * np.asarray(pressure)).conductance
 
 
+@cache
 def closing():
     """The pressure [Pa] at which channels close."""
     low, high = 1e5, 1e6
@@ -44,14 +46,16 @@ def closing():
     return low
 
 
-CLOSED = closing()
-SIGMA = CLOSED / (1 + np.exp(-np.linspace(-13.0, 13.0, 2601)))
-LOG_S = np.log(conductance(SIGMA))
+@cache
+def tabulated():
+    """Logarithms of pressures below that of closing, and of their conductances."""
+    sigma = closing() / (1 + np.exp(-np.linspace(-13.0, 13.0, 2601)))
+    return np.log(sigma), np.log(conductance(sigma))
 
 
 def interpolated(sigma):
-    inside = np.exp(np.interp(np.log(np.maximum(sigma, 1.0)), np.log(SIGMA), LOG_S))
-    return np.where(sigma < CLOSED, inside, 1e-300)
+    inside = np.exp(np.interp(np.log(np.maximum(sigma, 1.0)), *tabulated()))
+    return np.where(sigma < closing(), inside, 1e-300)
 
 
 def test_numbers_of_another_program():
@@ -74,7 +78,7 @@ def test_numbers_of_another_program():
 def test_the_integral_over_what_contact_bears(pressure, part):
     """With what is closed from the outlet on: it adds no resistance."""
     found = leak(pressure, part * pressure)
-    low, high = np.log([(1 - part) * pressure, min(pressure, CLOSED)])
+    low, high = np.log([(1 - part) * pressure, min(pressure, closing())])
     whole = 0.0
     if low < high:
         whole, _ = quad(
@@ -159,8 +163,9 @@ def roof(u):
     return 4e5 * np.maximum(1 - abs(u - 0.35) / 0.2, 0.0)
 
 
-@pytest.mark.parametrize("share", [0.8, 0.95, 0.99, 0.999])
-@pytest.mark.parametrize("shape", [lobes, roof])
+@pytest.mark.parametrize(
+    ("shape", "share"), [(lobes, 0.8), (lobes, 0.999), (roof, 0.95), (roof, 0.999)]
+)
 def test_peaks_that_the_fluid_all_but_lifts(shape, share):
     """Two lobes, and a sharp peak, against the equation itself within the error."""
     u = np.linspace(0.0, 1.0, 20001)
@@ -270,7 +275,7 @@ def test_a_seal_that_is_closed_all_along_until_the_fluid_opens_it():
     assert (found.error < 0.02).all()
 
 
-@pytest.mark.parametrize("place", [0.1, 0.37, 0.9])
+@pytest.mark.parametrize("place", [0.1, 0.9])
 def test_a_drop_just_below_a_sharp_peak(place):
     """As through its upper half alone, twice as finely: the fluid lifts what is below on
     its own side, and behind the peak that hardly holds it.
@@ -363,7 +368,7 @@ def test_the_bound_is_that_of_what_contact_bears():
     assert at_inlet < opened < 1
     assert leak(1e6, 1e5).model_error == np.inf
     # each pressure off by its own bound, one way
-    sigma = np.linspace(3e4, 3e5, 4001)
+    sigma = np.linspace(3e4, 3e5, 1001)
     each = leak(sigma, 1e-6 * sigma)
     least = np.trapezoid(each.conductance / (1 + each.model_error), sigma)
     most = np.trapezoid(each.conductance * (1 + each.model_error), sigma)

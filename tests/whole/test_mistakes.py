@@ -2,7 +2,6 @@
 start from, and stick-slip.
 """
 
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -175,7 +174,9 @@ def test_scenes_to_start_from(kind, capsys):
     assert command[0] == "elastomdr"
     assert command[2] == "mine.toml"
     assert f"#   {' '.join(command)}\n" in Path("mine.toml").read_text()
-    shutil.copy(SCENES / "measured_friction.csv", "rig.csv")  # which a command names
+    # what a command names: head and every second point
+    lines = (SCENES / "measured_friction.csv").read_text().splitlines(keepends=True)
+    Path("rig.csv").write_text("".join(lines[:3] + lines[3::2]))
     assert main(command[1:]) == 0
     assert "not converged" not in capsys.readouterr().out
     assert main(["init", "mine.toml"]) == 2
