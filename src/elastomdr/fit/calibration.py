@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
@@ -41,7 +41,7 @@ from ..rough.adhesion import AdhesiveShear
 from ..surface.spectrum import AbstractSpectrum
 from ..trees import replaced
 from ..verbs.roads import doubt_of, for_changes, hint_at_line, of_rough
-from .report import TWO_SIGMA, AbstractWithTable, table_csv, tell
+from .report import TWO_SIGMA, AbstractWithTable, tell
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -259,6 +259,8 @@ class Calibration(AbstractWithTable):
     converged: bool
     doubts: tuple[Doubt, ...]  # of the curve that was computed
 
+    title: ClassVar[str] = "calibration"
+
     @property
     def weakest(self) -> tuple[dict[str, float], float]:
         """The direction that the data determine least, and its standard deviation with
@@ -386,18 +388,17 @@ class Calibration(AbstractWithTable):
             if self.used[here].any():
                 yield celsius(float(level)), here
 
-    def csv(self) -> str:
+    def columns(self) -> dict[str, np.ndarray]:
         """The points, measured and computed."""
-        columns = {"velocity [m/s]": self.velocity.ravel()}
-        if self.temperature is not None:
-            columns["temperature [K]"] = self.temperature.ravel()
-        columns |= {
-            "measured [-]": self.measured.ravel(),
-            "computed [-]": self.computed.ravel(),
-            "residual [-]": self.residuals.ravel(),
-            "used": self.used.ravel(),
+        columns = {
+            "velocity [m/s]": self.velocity,
+            "temperature [K]": self.temperature,
+            "measured [-]": self.measured,
+            "computed [-]": self.computed,
+            "residual [-]": self.residuals,
+            "used": self.used,
         }
-        return table_csv("calibration", self.findings(), columns, self.intervals)
+        return {name: x.ravel() for name, x in columns.items() if x is not None}
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
         """Draws what was measured over what is computed at the same points, in a style

@@ -21,6 +21,7 @@ from ..checks import (
     whole_number,
 )
 from ..errors import InputError
+from ..files import csv_text
 from ..io.data import Dma, of_one_strain, strains, without_copies
 from ..material.prony import Prony
 from ..material.shift import (
@@ -43,9 +44,9 @@ from .report import (
     DynamicBand,
     RelaxationBand,
     dynamic_band,
+    header_of,
     relaxation_band,
     shifts_in_words,
-    table_csv,
     tell,
 )
 from .shifting import (
@@ -581,27 +582,28 @@ class MasterCurve(AbstractWithTable):
         for warning in self.warnings:
             yield "warning", warning
 
-    def csv(self) -> str:
-        """Shifted data, one row per point, with the shifts in header lines."""
+    def header(self) -> list[str]:
+        """Title, units, intervals and findings, and the rows left out."""
+        left_out = (("row left out", row) for row in self.dma.bad_rows)
+        return header_of("MasterCurve", [*self.findings(), *left_out])
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Shifted data, one row per point."""
         symbol = "G" if self.kind == "shear" else "E"
-        columns: dict[str, Any]
         if self.omega.size:
             order = np.argsort(self.omega, kind="stable")
-            columns = {
+            return {
                 "reduced angular frequency [rad/s]": self.omega[order],
                 f"storage modulus {symbol}' times b_T [Pa]": self.storage[order],
                 f"loss modulus {symbol}'' times b_T [Pa]": self.loss[order],
                 "isotherm [K]": self.temperature[self.isotherm[order]],
             }
-        else:
-            order = np.argsort(self.time, kind="stable")
-            columns = {
-                "reduced time [s]": self.time[order],
-                f"relaxation modulus {symbol} times b_T [Pa]": self.relaxation[order],
-                "isotherm [K]": self.temperature[self.time_isotherm[order]],
-            }
-        left_out = (("row left out", row) for row in self.dma.bad_rows)
-        return table_csv("MasterCurve", [*self.findings(), *left_out], columns)
+        order = np.argsort(self.time, kind="stable")
+        return {
+            "reduced time [s]": self.time[order],
+            f"relaxation modulus {symbol} times b_T [Pa]": self.relaxation[order],
+            "isotherm [K]": self.temperature[self.time_isotherm[order]],
+        }
 
 
 @in_si
@@ -735,11 +737,8 @@ def shifts_csv(master: MasterCurve) -> str:
         "standard deviation of log10 b_T [-]": master.log10_b_std,
         "separable": ~master.ambiguous,
     }
-    return table_csv(
-        "shift factors",
-        [("reference", f"{master.reference:.10g} K"), ("source", master.source)],
-        columns,
-    )
+    said = ("reference", f"{master.reference:.10g} K"), ("source", master.source)
+    return csv_text(header_of("shift factors", said), columns)
 
 
 def check_dma(dma: object) -> None:

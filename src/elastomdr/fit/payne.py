@@ -27,7 +27,7 @@ from ..results.axes import Label
 from ..results.base import WithTable
 from ..trees import fill, static
 from .isotherms import group
-from .report import AbstractWithTable, table_csv, tell
+from .report import AbstractWithTable, tell
 
 if TYPE_CHECKING:
     from jaxtyping import Float, Int
@@ -71,6 +71,7 @@ class Sweeps(AbstractWithTable):
     error: tuple[float, float]  # standard deviation of one ln storage, one ln loss
     warnings: tuple[str, ...]
 
+    title: ClassVar[str] = "strain softening"
     intervals: ClassVar[str] = "95 %, Student's t"
 
     def findings(self) -> Iterator[tuple[str, str]]:
@@ -89,16 +90,15 @@ class Sweeps(AbstractWithTable):
         for warning in self.warnings:
             yield "warning", warning
 
-    def csv(self) -> str:
+    def columns(self) -> dict[str, np.ndarray]:
         """Measured factors on both moduli, one row per point."""
-        columns = {
+        return {
             "strain amplitude [-]": self.strain,
             "factor on storage modulus [-]": self.storage,
             "factor on loss modulus [-]": self.loss,
             "temperature [K]": self.temperature[self.number],
             "angular frequency [rad/s]": self.omega[self.number],
         }
-        return table_csv("strain softening", self.findings(), columns, self.intervals)
 
     def _spanned(self) -> str:
         return f"{100 * self.strain.min():.3g} to {100 * self.strain.max():.3g} %"
@@ -136,9 +136,13 @@ class SofteningFit(WithTable, Softening):
         """All findings in a few lines."""
         return self.sweeps.summary()
 
-    def csv(self) -> str:
-        """The measured factors as comma-separated text, the findings in header lines."""
-        return self.sweeps.csv()
+    def header(self) -> list[str]:
+        """The findings."""
+        return self.sweeps.header()
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """The measured factors."""
+        return self.sweeps.columns()
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
         """Draws the factors over strain with the measured points, in a style of

@@ -7,14 +7,14 @@ from __future__ import annotations
 import abc
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
 from .. import __version__
 from ..checks import as_float64, in_si, positive, whole_number
 from ..errors import InputError, warn
-from ..files import csv_text, no_formula
+from ..files import no_formula
 from ..io.data import FitWarning
 from ..material.prony import Prony
 from ..material.shift import VFT, WLF, Arrhenius
@@ -74,6 +74,12 @@ class AbstractFindings(abc.ABC):
 
 class AbstractWithTable(AbstractFindings, WithTable):
     """One that has a table."""
+
+    title: ClassVar[str]  # of the table
+
+    def header(self) -> list[str]:
+        """Title, units, intervals and findings."""
+        return header_of(self.title, self.findings(), self.intervals)
 
 
 def shifts_in_words(
@@ -213,26 +219,20 @@ def _check_outside(
 
 
 # --------------------------------------------------------------------------------------
-# Tables, with what the fit found in header lines.
+# What stands above tables.
 # --------------------------------------------------------------------------------------
 
 
-def table_csv(
-    title: str,
-    findings: Iterable[tuple[str, str]],
-    columns: Mapping[str, Any],
-    intervals: str = PLUS_MINUS,
-) -> str:
-    """Columns, by their titles with units, as comma-separated text below header lines
-    with the findings of a fit.
-    """
-    header = [
+def header_of(
+    title: str, findings: Iterable[tuple[str, str]], intervals: str = PLUS_MINUS
+) -> list[str]:
+    """The lines above a table of a fit."""
+    return [
         f"elastomdr {__version__}: {title}",
         "units: SI, in brackets in the column titles",
         f"intervals: {intervals}; a column of standard deviations holds one of them",
-        *(f"{name.strip()}: {sentence}" for name, sentence in findings),
+        *(" ".join(f"{name.strip()}: {said}".split()) for name, said in findings),
     ]
-    return csv_text(header, columns)
 
 
 # --------------------------------------------------------------------------------------

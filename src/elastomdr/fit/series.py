@@ -26,8 +26,8 @@ from .report import (
     DynamicBand,
     RelaxationBand,
     dynamic_band,
+    header_of,
     relaxation_band,
-    table_csv,
     tell,
 )
 from .shifting import AtReference, Joint, at_reference, curve, join
@@ -391,26 +391,25 @@ class PronyFit(AbstractWithTable):
             else at_reference(self.joint, self.joint.shifts.temperature[0])
         )
 
-    def csv(self) -> str:
+    def columns(self) -> dict[str, np.ndarray]:
         """The series with standard deviations, one row per term; the equilibrium
         modulus has an infinite time.
         """
         symbol = "G" if self.kind == "shear" else "E"
         material = self.material
-        columns = {
-            "relaxation time [s]": [*np.asarray(material.times).tolist(), np.inf],
-            "standard deviation of it [s]": [*self.times_std.tolist(), 0.0],
-            f"modulus {symbol} [Pa]": [
-                *np.asarray(material.moduli).tolist(),
-                float(material.equilibrium),
-            ],
-            "standard deviation of modulus [Pa]": [
-                *self.moduli_std.tolist(),
-                self.equilibrium_std,
-            ],
+        return {
+            "relaxation time [s]": np.append(material.times, np.inf),
+            "standard deviation of it [s]": np.append(self.times_std, 0.0),
+            f"modulus {symbol} [Pa]": np.append(material.moduli, material.equilibrium),
+            "standard deviation of modulus [Pa]": np.append(
+                self.moduli_std, self.equilibrium_std
+            ),
         }
-        told = [(name, text) for name, text in self.findings() if name != "term"]
-        return table_csv("Prony series", told, columns)
+
+    def header(self) -> list[str]:
+        """Title, units, intervals and findings, without the terms."""
+        told = ((name, text) for name, text in self.findings() if name != "term")
+        return header_of("Prony series", told)
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
         """Draws data, series and band against frequency on `ax`, or on a new figure, in

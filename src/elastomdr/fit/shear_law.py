@@ -26,7 +26,7 @@ from ..results.axes import Label
 from ..results.curve import FrictionCurve
 from ..results.friction_law import gridded
 from ..rough.adhesion import AdhesiveShear
-from .report import AbstractWithTable, table_csv, tell
+from .report import AbstractWithTable, tell
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float, Int
@@ -95,6 +95,7 @@ class AdhesionFit(AbstractWithTable):
     warnings: tuple[str, ...]
     converged: bool
 
+    title: ClassVar[str] = "adhesive shear"
     intervals: ClassVar[str] = "95 %, by the profile of the sum of squares"
 
     @property
@@ -152,14 +153,12 @@ class AdhesionFit(AbstractWithTable):
         for warning in self.warnings:
             yield "warning", warning
 
-    def csv(self) -> str:
+    def columns(self) -> dict[str, np.ndarray]:
         """Measured points with both parts of the friction, one row per point."""
-        columns: dict[str, np.ndarray] = {"velocity [m/s]": self.velocity}
-        if self.temperature is not None:
-            columns["temperature [K]"] = self.temperature
-        if self.compound.any():
-            columns["compound"] = self.compound + 1
-        columns |= {
+        columns = {
+            "velocity [m/s]": self.velocity,
+            "temperature [K]": self.temperature,
+            "compound": self.compound + 1 if self.compound.any() else None,
             "measured friction coefficient [-]": self.measured,
             "hysteresis [-]": self.hysteresis,
             "adhesive shear [-]": self.adhesion,
@@ -167,7 +166,7 @@ class AdhesionFit(AbstractWithTable):
             "standard deviation of a measurement [-]": self.error,
             "used": self.used,
         }
-        return table_csv("adhesive shear", self.findings(), columns, self.intervals)
+        return {name: x for name, x in columns.items() if x is not None}
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
         """Draws measured friction with the fitted sum and hysteresis alone, in a style

@@ -25,7 +25,6 @@ Doubts of its numbers are data (`results/doubts.py`), said once and in one place
 """
 
 import abc
-import csv
 import dataclasses
 import importlib
 import io
@@ -272,8 +271,101 @@ def distinct(names: Sequence[str]) -> list[str]:
     ]
 
 
+class WithTable(abc.ABC):
+    """What has one table, exported in every form."""
+
+    @abc.abstractmethod
+    def header(self) -> list[str]:
+        """What is said of the table, line by line."""
+
+    @abc.abstractmethod
+    def columns(self) -> dict[str, np.ndarray]:
+        """The columns by their titles with units."""
+
+    def csv(self) -> str:
+        """The text that `to_csv` writes."""
+        return csv_text(self.header(), self.columns())
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes a comma-separated table, its first lines a header that starts with "#
+        ".
+
+        Opens with `pandas.read_csv(path, comment="#")` and in a spreadsheet. Numbers
+        have as many digits, up to 17, as it takes to read back the same float64; one
+        that is not known, since its point failed, is an empty cell. The file appears
+        when it is complete, or not at all. Raises `InputError` where it cannot be
+        written, and for a name that ends in .xlsx.
+        """
+        if as_path(path).suffix.lower() in (".xlsx", ".xls"):
+            raise InputError(
+                argument="path",
+                got=str(path),
+                accepted="no workbook",
+                hint="for one use to_excel",
+            )
+        write_files({as_path(path): self.csv().encode()})
+
+    def _sheets(self) -> dict[str, list[list[Any]]]:
+        """The table, then its header lines."""
+        columns = self.columns()
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+        inputs = [[line] for line in self.header()]
+        return {"result": [list(columns), *map(list, rows)], "inputs": inputs}
+
+    def to_excel(self, path: str | os.PathLike[str]) -> None:
+        """Writes an Excel workbook: the table, then what is said of it, of a result
+        also what the columns mean.
+
+        Raises `InputError` for a name that does not end in .xlsx, without openpyxl, and
+        where it cannot be written.
+        """
+        if as_path(path).suffix.lower() != ".xlsx":
+            raise InputError(
+                argument="path",
+                got=str(path),
+                accepted="the name of a file that ends in .xlsx",
+                hint="for a table of text use to_csv",
+            )
+        book = _package("openpyxl", "excel").Workbook()
+        book.active.title = "result"
+        book.active.freeze_panes = "A2"
+        for name, lines in self._sheets().items():
+            sheet = book[name] if name in book.sheetnames else book.create_sheet(name)
+            fill_sheet(sheet, lines)
+        buffer = io.BytesIO()
+        book.save(buffer)
+        write_files({as_path(path): buffer.getvalue()})
+
+    def summary(self) -> str:
+        """What is said of the table, in a few lines."""
+        return "\n".join(self.header())
+
+    def to_dict(self) -> dict[str, np.ndarray]:
+        """The title of each column to its values."""
+        return self.columns()
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """A pandas DataFrame of `columns()`, what is said of them as `attrs`. Raises
+        `InputError` without pandas.
+        """
+        frame = _package("pandas", "tables").DataFrame(self.columns())
+        frame.attrs.update(self._attributes())
+        return frame
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """An xarray Dataset of the columns, over the row. Raises `InputError` without
+        xarray.
+        """
+        _package("xarray", "tables")
+        return self.to_pandas().to_xarray()
+
+    def _attributes(self) -> Mapping[str, object]:
+        """What is said of a table, by name."""
+        return {"header": self.header()}
+
+
 @record
-class Result:
+class Result(WithTable):
     """A result: quantities of one shape, which is that of its points, and in words what
     they were computed from.
     """
@@ -812,60 +904,23 @@ class Result:
             for title, values in {"material": names, **columns}.items()
         }
 
-    def header(self, notes: Iterable[tuple[str, str]] = ()) -> list[str]:
-        """What a table has to carry besides its numbers: version, notes, inputs, model,
+    def header(self) -> list[str]:
+        """What a table has to carry besides its numbers: version, inputs, model,
         findings, one line each.
         """
-        lines = [
+        return [
             f"elastomdr {__version__}: {type(self).__name__}",
             "units: SI, in brackets in the column titles",
-        ]
-        return [
-            *lines,
-            *(f"{name}: {sentence}" for name, sentence in (*notes, *self.findings())),
+            *(f"{name}: {sentence}" for name, sentence in self.findings()),
         ]
 
-    def csv(self, notes: Iterable[tuple[str, str]] = ()) -> str:
-        """The text that `to_csv` writes; `notes` are more pairs of name and text for
-        its header.
-        """
-        return csv_text(self.header(notes), self.columns())
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes a comma-separated table, its first lines a header that starts with "#
-        ".
-
-        Opens with `pandas.read_csv(path, comment="#")` and in a spreadsheet. Numbers
-        have as many digits, up to 17, as it takes to read back the same float64; one
-        that is not known, since its point failed, is an empty cell. The file appears
-        when it is complete, or not at all. Raises `InputError` where it cannot be
-        written, and for a name that ends in .xlsx.
-        """
-        if as_path(path).suffix.lower() in (".xlsx", ".xls"):
-            raise InputError(
-                argument="path",
-                got=str(path),
-                accepted="no workbook",
-                hint="for one use to_excel",
-            )
-        write_files({as_path(path): self.csv().encode()})
-
-    def to_excel(self, path: str | os.PathLike[str]) -> None:
-        """Writes an Excel workbook: the table, then what went in and came out, then
-        what the columns mean.
-
-        Raises `InputError` for a name that does not end in .xlsx, without openpyxl, and
-        where it cannot be written.
-        """
-        columns = self.columns()
-        values = zip(*(column.tolist() for column in columns.values()), strict=True)
+    def _sheets(self) -> dict[str, list[list[Any]]]:
+        """The table, then what went in and came out, then what the columns mean."""
         meanings = [[q.label, q.path, q.unit, q.meaning] for q in self.fields()]
-        sheets: dict[str, list[list[Any]]] = {
-            "result": [list(columns), *map(list, values)],
+        return super()._sheets() | {
             "inputs": [["elastomdr", __version__], *map(list, self.findings())],
             "columns": [["column", "field", "unit", "meaning"], *meanings],
         }
-        write_book(path, sheets)
 
     def to_dict(self) -> dict[str, Any]:
         """Field name to an array of the result's shape, in SI units; with "model",
@@ -881,14 +936,6 @@ class Result:
         )
         words = {"model": self.model, "plan": plan, "inputs": dict(self.inputs)}
         return values | words | {"doubts": self.doubts}
-
-    def to_pandas(self) -> "pandas.DataFrame":
-        """A pandas DataFrame of `columns()`, with model and inputs as `attrs`. Raises
-        `InputError` without pandas.
-        """
-        frame = _package("pandas", "tables").DataFrame(self.columns())
-        frame.attrs.update(self._attributes())
-        return frame
 
     def to_xarray(self) -> "xarray.Dataset":
         """An xarray Dataset, its axes what was given (velocity, temperature, load).
@@ -917,7 +964,8 @@ class Result:
         data[TITLE] = names, flags(self.doubts, np.shape(self.converged)), FLAGS
         return xarray.Dataset(data, coords=coordinates, attrs=self._attributes())
 
-    def _attributes(self) -> dict[str, str]:
+    def _attributes(self) -> Mapping[str, object]:
+        """Inputs, model, version and doubts."""
         said = dict.fromkeys(doubt.kind for doubt in self.doubts)
         doubts = {
             f"doubt, {kind}": "; ".join(
@@ -1026,95 +1074,6 @@ class AbstractPoints(Result):
         "bound on the model's error of the coefficient, absolute",
         default=None,
     )
-
-
-class WithTable(abc.ABC):
-    """What has one table, exported in every form that a result has."""
-
-    @abc.abstractmethod
-    def csv(self) -> str:
-        """The table as comma-separated text, what is said of it in header lines."""
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the table as comma-separated text, what is said of it in header lines
-        that start with "# "; an empty cell is not known.
-        """
-        write_files({as_path(path): self.csv().encode()})
-
-    def summary(self) -> str:
-        """What is said of the table, in a few lines."""
-        return "\n".join(self._parts()[0])
-
-    def to_dict(self) -> dict[str, np.ndarray]:
-        """The title of each column to its values."""
-        return self._parts()[1]
-
-    def to_pandas(self) -> "pandas.DataFrame":
-        """A pandas DataFrame of the table, the header lines in `attrs["header"]`.
-        Raises `InputError` without pandas.
-        """
-        header, columns = self._parts()
-        frame = _package("pandas", "tables").DataFrame(columns)
-        frame.attrs["header"] = header
-        return frame
-
-    def to_xarray(self) -> "xarray.Dataset":
-        """An xarray Dataset of the columns, over the row. Raises `InputError` without
-        xarray.
-        """
-        _package("xarray", "tables")
-        return self.to_pandas().to_xarray()
-
-    def _parts(self) -> tuple[list[str], dict[str, np.ndarray]]:
-        """The header lines of the table, and its columns."""
-        lines = self.csv().splitlines()
-        header = [line.removeprefix("# ") for line in lines if line.startswith("# ")]
-        titles, *rows = csv.reader(lines[len(header) :])
-        columns = map(_typed, zip(*rows, strict=True))
-        return header, dict(zip(titles, columns, strict=True))
-
-    def to_excel(self, path: str | os.PathLike[str]) -> None:
-        """Writes an Excel workbook of the table and its header lines.
-
-        Raises `InputError` for a name that does not end in .xlsx, without openpyxl, and
-        where it cannot be written.
-        """
-        header, columns = self._parts()
-        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-        result = [list(columns), *map(list, rows)]
-        write_book(path, {"result": result, "inputs": [[line] for line in header]})
-
-
-def _typed(texts: Sequence[str]) -> np.ndarray:
-    """The entries of a column: numbers, where all are; an empty cell is not known."""
-    try:
-        return np.array([float(text or "nan") for text in texts])
-    except ValueError:
-        return np.array(texts)
-
-
-def write_book(
-    path: str | os.PathLike[str], sheets: Mapping[str, list[list[Any]]]
-) -> None:
-    """Writes a workbook, the first row of its first sheet above all others. Raises
-    `InputError`.
-    """
-    if as_path(path).suffix.lower() != ".xlsx":
-        raise InputError(
-            argument="path",
-            got=str(path),
-            accepted="the name of a file that ends in .xlsx",
-            hint="for a table of text use to_csv",
-        )
-    book = _package("openpyxl", "excel").Workbook()
-    book.active.title = next(iter(sheets))
-    book.active.freeze_panes = "A2"
-    for name, lines in sheets.items():
-        sheet = book[name] if name in book.sheetnames else book.create_sheet(name)
-        fill_sheet(sheet, lines)
-    buffer = io.BytesIO()
-    book.save(buffer)
-    write_files({as_path(path): buffer.getvalue()})
 
 
 def _package(name: str, extra: str) -> Any:

@@ -16,7 +16,6 @@ import numpy as np
 from .. import __version__
 from ..checks import in_si, percent, significant
 from ..errors import InputError
-from ..files import csv_text
 from ..linear_update import narrowed
 from .axes import Quantity
 from .base import (
@@ -62,6 +61,15 @@ if TYPE_CHECKING:
     from .plot_contacts import SteadyElements
 
 _LISTED = 6  # curves that a summary lists one by one
+_OF_RANKING = (
+    "rank",
+    "material",
+    "friction coefficient [-]",
+    "uncertainty [-]",
+    "ahead of the next [-]",
+    "significant",
+    TITLE,
+)
 
 
 @part
@@ -746,28 +754,29 @@ class Ranking(WithTable):
         """The ranking in a few lines."""
         return "\n".join(self.words())
 
-    def csv(self) -> str:
-        """The ranking as comma-separated text, an empty cell for what is not known."""
+    def header(self) -> list[str]:
+        """Where it holds, doubts, and what an uncertainty is."""
+        said = list(self.words())[1 + len(self.places) :]
+        return [f"elastomdr {__version__}: ranking by friction", self.where(), *said]
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """The places; what is not known is NaN, or an empty text."""
         words = {True: "yes", False: "no", None: ""}
-        columns = {
-            "rank": np.arange(1, len(self.places) + 1),
-            "material": np.array([place.material for place in self.places]),
-            "friction coefficient [-]": np.array([place.mu for place in self.places]),
-            "uncertainty [-]": np.array([place.uncertainty for place in self.places]),
-            "ahead of the next [-]": np.array([place.ahead for place in self.places]),
-            "significant": np.array(
-                [words[place.significant] for place in self.places]
-            ),
-            TITLE: np.array(
-                [str(kinds_of_points(place.doubts, ())) for place in self.places]
-            ),
-        }
-        header = [
-            f"elastomdr {__version__}: ranking by friction",
-            self.where(),
-            *list(self.words())[1 + len(self.places) :],
+        rows = [
+            (
+                rank,
+                place.material,
+                place.mu,
+                place.uncertainty,
+                place.ahead,
+                words[place.significant],
+                str(kinds_of_points(place.doubts, ())),
+            )
+            for rank, place in enumerate(self.places, 1)
         ]
-        return csv_text(header, columns)
+        return dict(
+            zip(_OF_RANKING, map(np.array, zip(*rows, strict=True)), strict=True)
+        )
 
     def plot(self, style: Style | None = None, *, title: str | None = None) -> Axes:
         """Draws friction against velocity at this temperature and the ranking beside

@@ -37,7 +37,7 @@ from ..checks import (
     untraced,
 )
 from ..errors import InputError
-from ..files import as_path, csv_text, read_text, write_files
+from ..files import as_path, read_text, write_files
 from ..trees import Tree, fill, static
 from .base import WithTable
 from .doubts import (
@@ -257,15 +257,10 @@ class FrictionLaw(WithTable, Tree):
         }
         return {name: values for name, values in every.items() if values is not None}
 
-    def csv(self) -> str:
-        """The table as comma-separated text, one row per point, the velocity fastest,
-        an empty cell for a point that is not known.
-        """
-        _untraced(self)
-        axes = self.axes()
-        points = np.meshgrid(*axes.values(), indexing="ij")
-        order = " x ".join(f"{values.size} {name}" for name, values in axes.items())
-        header = [
+    def header(self) -> list[str]:
+        """Grid, units, interpolation and doubts."""
+        order = " x ".join(f"{x.size} {name}" for name, x in self.axes().items())
+        return [
             f"elastomdr {__version__}: friction law",
             (
                 f"grid: {order}, the last one fastest; units: SI, in brackets in the "
@@ -275,15 +270,17 @@ class FrictionLaw(WithTable, Tree):
                 "between the points: linear in ln(velocity), temperature and "
                 "ln(pressure); not to be used outside"
             ),
+            *in_words(self.doubts),
         ]
-        columns: dict[str, Any] = {
-            _TITLES[name][0]: values.ravel()
-            for name, values in zip(axes, points, strict=True)
-        }
-        columns[_TITLES["mu"][0]] = self.mu.ravel()
-        columns[TITLE] = kinds_of_points(self.doubts, self.mu.shape).ravel()
-        header += in_words(self.doubts)
-        return csv_text(header, columns)
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """One row per point, the velocity fastest; NaN for one that is not known."""
+        _untraced(self)
+        axes = self.axes()
+        points = np.meshgrid(*axes.values(), indexing="ij")
+        values = zip([*axes, "mu"], [*points, np.asarray(self.mu)], strict=True)
+        columns = {_TITLES[name][0]: x.ravel() for name, x in values}
+        return columns | {TITLE: kinds_of_points(self.doubts, self.mu.shape).ravel()}
 
     def to_abaqus(
         self, path: str | os.PathLike[str], *, units: Literal["m", "mm"] = "m"
