@@ -57,6 +57,8 @@ _FIRST = {
     "how well": ("misfit", "loss tangent"),
     "read": ("data", "columns"),
 }
+# of arguments whose options have other names
+_OPTIONS = {"data": "DMA", "columns": "--column"}
 _LAW = re.compile(r"\s*(WLF|Arrhenius|VFT)\s*\((.*)\)\s*", re.IGNORECASE)
 # by name, an example with the units of the constants
 _LAWS = {
@@ -257,9 +259,7 @@ def run(options: argparse.Namespace) -> int:
         with em.progress("reading and fitting"):
             fit = asked.fitted(Path())
     except InputError as error:
-        if error.argument.partition("[")[0] in {*keys_of(Fit), "columns"}:
-            name = error.argument.replace("_", "-").replace("columns", "column")
-            error.called("DMA" if name == "data" else f"--{name}")
+        _as_option(error, *keys_of(Fit), "columns")
         raise
     folder.mkdir(parents=True, exist_ok=True)
     paths = fit.save(folder)
@@ -278,6 +278,17 @@ def run(options: argparse.Namespace) -> int:
     )
     converged = fit.master.converged and fit.prony.converged
     return DONE if converged else NOT_CONVERGED
+
+
+def _as_option(error: InputError, *arguments: str) -> bool:
+    """Gives an error of one of these arguments the name that this has as an option;
+    whether it is of one.
+    """
+    name, *place = error.argument.partition("[")
+    if name in arguments:
+        option = _OPTIONS.get(name, f"--{name.replace('_', '-')}")
+        error.called("".join((option, *place)))
+    return name in arguments
 
 
 def content_of(options: argparse.Namespace) -> Content:
@@ -534,9 +545,8 @@ def run_calibration(options: argparse.Namespace) -> int:
                 stem=path.stem,
             )
     except InputError as error:
-        if error.argument in ("measured", "parameters", "draws", "columns"):
-            error.called(f"--{error.argument.replace('ns', 'n')}")
-        elif not error.places:
+        named = _as_option(error, "measured", "parameters", "draws", "columns")
+        if not (named or error.places):
             error.inside(path.name)
         raise
     scene: Any = dict(done.content)
