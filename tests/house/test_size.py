@@ -27,7 +27,7 @@ ROOMS = {
     "surface": 31,
     "app": 30,
     "cli": 28,
-    "material": 19,
+    "material": 18,
     "sweeps": 16,
     "element": 20,
     "ground": 14,

@@ -37,9 +37,10 @@ from ..material.shift import (
     AbstractShift,
     AbstractVertical,
     check_laws,
+    is_same,
     need_same_thermal,
 )
-from ..material.softening import Softening, as_softening, same_softening
+from ..material.softening import Softening, as_softening
 from ..material.tabulated import (
     AbstractTable,
     TabulatedModulus,
@@ -244,7 +245,7 @@ def half_space(
         need_same_thermal("other", other, material)
         name = f"{material.name or 'material'} on {other.name or 'material'}"
         known = shared(known, other.range)
-        if not same_softening(material.softening, other.softening):
+        if not is_same(material.softening, other.softening):
             material = replaced(material, softening=None)
             warn(
                 (

@@ -163,9 +163,7 @@ def save_material(
             "vertical", material.vertical, VERTICAL_LAWS, VERTICAL_KEYS
         ),
         "softening": _softening_table(material.softening),
-        "range": info.get(
-            "range", known.table() if known is not None and known.table() else None
-        ),
+        "range": info.get("range", (known and known.table()) or None),
         "misfit": _misfit_table(known),
         "source": info.get("source", cited or None),
     }
@@ -284,18 +282,17 @@ def _series(material: "Prony") -> Document:
         "bulk": None if material.bulk is None else float(material.bulk),
         "equilibrium": float(material.equilibrium),
         "viscosity": float(material.viscosity) or None,
-        "moduli": [float(value) for value in material.moduli],
-        "times": [float(value) for value in material.times],
+        "moduli": material.moduli.tolist(),
+        "times": material.times.tolist(),
     }
 
 
 def _tabulated(material: "TabulatedModulus") -> Document:
-    lists = {
-        "omega": material.omega,
-        "storage": material.storage_table,
-        "loss": material.loss_table,
+    return {
+        "omega": material.omega.tolist(),
+        "storage": material.storage_table.tolist(),
+        "loss": material.loss_table.tolist(),
     }
-    return {key: [float(value) for value in values] for key, values in lists.items()}
 
 
 def _softening_table(softening: "Softening | None") -> Document | None:
@@ -303,7 +300,7 @@ def _softening_table(softening: "Softening | None") -> Document | None:
     return (
         None
         if softening is None
-        else {key: [float(value) for value in getattr(softening, key)] for key in keys}
+        else {key: getattr(softening, key).tolist() for key in keys}
     )
 
 
@@ -348,13 +345,14 @@ def _range(document: Document) -> "Range | None":
     from .validity import Range, as_range
 
     pairs = document.get("range")
-    illustrative = (
-        document.get("source", {}).get("range", {}).get("grade") == "illustrative"
+    source = document.get("source", {})
+    ranges, moduli = (
+        source.get(group, {}).get("grade") == "illustrative"
+        for group in ("range", "moduli")
     )
-    known = as_range(pairs, illustrative) if pairs else None
-    of_moduli = document.get("source", {}).get("moduli", {}).get("grade")
+    known = as_range(pairs, ranges) if pairs else None
     if known is not None:
-        known = known._replace(illustrative_moduli=of_moduli == "illustrative")
+        known = known._replace(illustrative_moduli=moduli)
     rows = document.get("misfit")
     misfit = tuple(zip(*(rows[key] for key in _MISFIT), strict=True)) if rows else ()
     if any(not omega > 0 or storage < 0 or loss < 0 for omega, storage, loss in misfit):

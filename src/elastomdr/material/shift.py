@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import abc
 import math
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -48,7 +48,6 @@ class _TemperatureLaw(Tree):
     def __repr__(self) -> str:
         return written(self)
 
-    @abc.abstractmethod
     def _check(self, temperature: Array) -> None:
         """Raises `InputError` where the law does not hold."""
 
@@ -63,6 +62,27 @@ class _TemperatureLaw(Tree):
         in_kelvin("temperature", temperature)
         self._check(temperature)
         return temperature
+
+
+class _LawTable(_TemperatureLaw):
+    """A law by its values at some temperatures, between which it holds."""
+
+    temperature: Float[Array, " n"]  # ascending [K]
+    _called: ClassVar[str]
+
+    def _check(self, temperature: Array) -> None:
+        if is_traced(self.temperature):
+            return
+        low, high = float(self.temperature[0]), self._hottest
+        ends = amount(low, "K") + " to " + amount(high, "K")
+        accepted = f"within the {self._called}, " + ends
+        require(
+            "temperature", temperature, accepted, lambda t: (t >= low) & (t <= high)
+        )
+
+    @property
+    def _hottest(self) -> float:
+        return float(self.temperature[-1])
 
 
 class AbstractShift(_TemperatureLaw):
@@ -201,11 +221,8 @@ class Arrhenius(AbstractShift):
             self.energy / GAS_CONSTANT * (1 / temperature - 1 / self.reference) / _LN10
         )
 
-    def _check(self, temperature: Array) -> None:
-        pass
 
-
-class ShiftTable(AbstractShift):
+class ShiftTable(_LawTable, AbstractShift):
     """Measured shift factors, joined by monotone cubics (PCHIP); outside the table
     there is no answer, only an error.
     """
@@ -215,6 +232,7 @@ class ShiftTable(AbstractShift):
     slopes: Float[Array, " n"]  # d(log10 a_T)/dT at the table's temperatures [1/K]
     # temperature at which log10 a_T = 0 [K]; NaN where the table does not cross zero
     reference: Float[Array, ""]
+    _called: ClassVar[str] = "shift table"
 
     def __init__(self, temperature: ArrayLike, log10_a: ArrayLike):
         temperature = as_float64("temperature", temperature)
@@ -247,13 +265,6 @@ class ShiftTable(AbstractShift):
 
     def _log10_a(self, temperature: Array) -> Array:
         return _of_table(self.temperature, self.log10_a_table, self.slopes, temperature)
-
-    def _check(self, temperature: Array) -> None:
-        _within_table("shift table", self.temperature, temperature)
-
-    @property
-    def _hottest(self) -> float:
-        return float(self.temperature[-1])
 
 
 def _above_pole(law: str, temperature: Array, pole: Array) -> None:
@@ -299,11 +310,8 @@ class EntropicVertical(AbstractVertical):
     def _b(self, temperature: Array) -> Array:
         return temperature / self.reference
 
-    def _check(self, temperature: Array) -> None:
-        pass
 
-
-class VerticalTable(AbstractVertical):
+class VerticalTable(_LawTable, AbstractVertical):
     """Vertical shift factors by their values, joined by monotone cubics (PCHIP);
     outside the table there is no answer, only an error. Raises `InputError` for lists
     that do not match, temperatures that do not ascend, and factors that are not
@@ -314,6 +322,7 @@ class VerticalTable(AbstractVertical):
     # b_T, 1 at the temperature at which the moduli are given
     factor: Float[Array, " n"]
     slopes: Float[Array, " n"]  # of the factor, at the table's temperatures [1/K]
+    _called: ClassVar[str] = "table of vertical shifts"
 
     def __init__(self, temperature: ArrayLike, factor: ArrayLike):
         temperature = as_float64("temperature", temperature)
@@ -340,13 +349,6 @@ class VerticalTable(AbstractVertical):
     def _b(self, temperature: Array) -> Array:
         return _of_table(self.temperature, self.factor, self.slopes, temperature)
 
-    def _check(self, temperature: Array) -> None:
-        _within_table("table of vertical shifts", self.temperature, temperature)
-
-    @property
-    def _hottest(self) -> float:
-        return float(self.temperature[-1])
-
 
 class Shifted(Protocol):
     """A body whose moduli may depend on temperature."""
@@ -363,15 +365,6 @@ def _of_table(nodes: Array, values: Array, slopes: Array, temperature: Array) ->
     """Monotone cubics through a table; NaN outside."""
     inside = (temperature >= nodes[0]) & (temperature <= nodes[-1])
     return xp.where(inside, hermite(nodes, values, slopes, temperature), xp.nan)
-
-
-def _within_table(table: str, nodes: Array, temperature: Array) -> None:
-    """Raises `InputError` for temperatures that a table does not hold."""
-    if is_traced(nodes):
-        return
-    low, high = float(nodes[0]), float(nodes[-1])
-    accepted = f"within the {table}, " + amount(low, "K") + " to " + amount(high, "K")
-    require("temperature", temperature, accepted, lambda t: (t >= low) & (t <= high))
 
 
 def check_laws(shift: object, vertical: object) -> None:
@@ -428,9 +421,12 @@ def same_thermal(one: Shifted, other: Shifted) -> bool:
     JAX as far as can be seen.
     """
     return all(
-        _same(getattr(one, law), getattr(other, law)) for law in ("shift", "vertical")
+        is_same(getattr(one, law), getattr(other, law)) for law in ("shift", "vertical")
     )
 
 
-def _same(first: _TemperatureLaw | None, second: _TemperatureLaw | None) -> bool:
+def is_same(first: Tree | None, second: Tree | None) -> bool:
+    """Whether two laws are one, by their values; under a transformation of JAX as far
+    as can be seen.
+    """
     return first is second or certain(same, first, second)

@@ -23,7 +23,7 @@ from ..checks import (
 )
 from ..errors import InputError, ModelWarning, warn
 from ..numerics.interpolation import hermite, monotone_slopes
-from ..trees import Tree, fill, same
+from ..trees import Tree, fill
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -76,13 +76,12 @@ class Softening(Tree):
     loss: Float[Array, " n"]
 
     def __init__(self, strain: ArrayLike, storage: ArrayLike, loss: ArrayLike):
-        lists = {"strain": strain, "storage": storage, "loss": loss}
-        strain, storage, loss = arrays = [
-            as_float64(key, value) for key, value in lists.items()
-        ]
-        alike(2, {"strain": strain, "storage": storage, "loss": loss})
-        for key, values in zip(lists, arrays, strict=True):
+        given = {"strain": strain, "storage": storage, "loss": loss}
+        lists = {key: as_float64(key, value) for key, value in given.items()}
+        alike(2, lists)
+        for key, values in lists.items():
             positive(key, values)
+        strain, storage, loss = lists.values()
         ascending("strain", strain)
         if certain(lambda x: x[-1] > _LARGEST, strain):
             raise InputError(
@@ -197,10 +196,3 @@ def as_softening(softening: object) -> Softening | None:
             accepted="an em.Softening(strain, storage, loss)",
         )
     return softening
-
-
-def same_softening(first: Softening | None, second: Softening | None) -> bool:
-    """Whether two are one, by their values; under a transformation of JAX as far as can
-    be seen.
-    """
-    return first is second or certain(same, first, second)

@@ -250,13 +250,12 @@ class TabulatedModulus(AbstractTable):
         citation: str = "",
         range: RangeLike | None = None,
     ):
-        omega, storage, loss = (
-            as_float64(key, value)
-            for key, value in (("omega", omega), ("storage", storage), ("loss", loss))
-        )
-        alike(3, {"omega": omega, "storage": storage, "loss": loss})
-        for key, value in (("omega", omega), ("storage", storage), ("loss", loss)):
-            positive(key, value)
+        given = {"omega": omega, "storage": storage, "loss": loss}
+        lists = {key: as_float64(key, value) for key, value in given.items()}
+        alike(3, lists)
+        for key, values in lists.items():
+            positive(key, values)
+        omega, storage, loss = lists.values()
         ascending("omega", omega)
         one_of("kind", kind, "shear", "tensile")
         a_text("name", name)
@@ -298,18 +297,11 @@ class TabulatedModulus(AbstractTable):
 
     @numpy_unless_traced
     def _as(self, kind: Kind, factor: Array | float) -> "TabulatedModulus":
-        return TabulatedModulus(
-            self.omega,
-            self.storage_table * factor,
-            self.loss_table * factor,
+        return replaced(
+            self,
+            storage_table=self.storage_table * factor,
+            loss_table=self.loss_table * factor,
             kind=kind,
-            poisson=self.poisson,
-            shift=self.shift,
-            vertical=self.vertical,
-            softening=self.softening,
-            name=self.name,
-            citation=self.citation,
-            range=self.range,
         )
 
     @numpy_unless_traced

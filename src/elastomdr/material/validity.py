@@ -42,7 +42,6 @@ _DECADES = 0.5  # distance at which deviations have a correlation of exp(-1/2)
 _RIDGE = 1e-2
 
 _PER_DECADE = 3  # branches of a series that moduli within the data are fitted with
-_HALVINGS = 20  # of the logarithm of a strength
 _SOLID = 1e-3  # share of the slowest modulus that stays, without which it is a liquid
 
 T = TypeVar("T")
@@ -198,10 +197,10 @@ def as_range(value: object, illustrative: bool = False) -> Range | None:
             got=value,
             accepted=f"a dict with some of the keys {', '.join(_KEYS)}",
         )
-    pairs: dict[str, tuple[float, float]] = {}
-    nowhere = isinstance(value.get("omega"), (list, tuple)) and not value["omega"]
+    pairs: dict[str, Any] = {}
     for key, pair in value.items():
-        if key == "omega" and nowhere:
+        if key == "omega" and isinstance(pair, (list, tuple)) and not pair:
+            pairs[key] = ()
             continue
         try:
             low, high = (float(x) for x in pair)
@@ -216,9 +215,7 @@ def as_range(value: object, illustrative: bool = False) -> Range | None:
         pairs[key] = (low, high)
     if "time" in pairs:
         pairs.setdefault("omega", (1 / pairs["time"][1], 1 / pairs["time"][0]))
-    return Range(
-        () if nowhere else pairs.get("omega"), pairs.get("temperature"), illustrative
-    )
+    return Range(pairs.get("omega"), pairs.get("temperature"), illustrative)
 
 
 def shared(one: Range | None, other: Range | None) -> Range | None:
@@ -365,8 +362,8 @@ class Draws(list[T]):
 
 def check_draws(n: object, seed: object) -> None:
     """Raises `InputError` unless they are whole numbers, of draws at least two."""
-    for name, value, least in (("n", n, 2), ("seed", seed, 0)):
-        whole_number(name, value, least)
+    whole_number("n", n, 2)
+    whole_number("seed", seed, 0)
 
 
 def drawn_from_misfit(material: S, n: int, seed: int) -> Draws[S]:
@@ -460,7 +457,7 @@ def beyond_data(material: object, wider: float, decades: float | None) -> object
     Of all spectra that agree with the data those with a single further branch change
     what is linear in the spectrum most: both are positive.
     """
-    from scipy.optimize import nnls
+    from scipy.optimize import bisect, nnls
 
     series: Any = material
     known: Range | None = getattr(material, "range", None)
@@ -472,39 +469,39 @@ def beyond_data(material: object, wider: float, decades: float | None) -> object
     if not _size(known) or float(getattr(material, "viscosity", 1.0)):
         return None
     count = int(_PER_DECADE * np.log10(high / low)) + 2
-    omega, times = (
-        np.geomspace(low, high, 2 * count),
-        np.geomspace(1 / high, 1 / low, count),
-    )
+    omega = np.geomspace(low, high, 2 * count)
     modulus: Any = series.complex_modulus(omega)
     if not (modulus.imag > 0).all():  # elastic: there is nothing to be off by
         return None
 
-    def parts(x: np.ndarray) -> np.ndarray:
-        both = np.concatenate([x**2 / (1 + x**2), x / (1 + x**2)])
-        return both / np.concatenate([modulus.real, modulus.imag])[:, None]
+    def seen(times: np.ndarray | float) -> np.ndarray:
+        """Unit branches in the moduli of the data, relative to these."""
+        x = np.multiply.outer(omega, times)
+        both = np.concatenate([1 / (1 + x**-2), 1 / (x + 1 / x)])
+        return (both.T / np.concatenate([modulus.real, modulus.imag])).T
 
-    slow = np.concatenate([1 / modulus.real, 0 * omega])[:, None]
-    within = np.hstack([slow, parts(omega[:, None] * times)])
+    # the last one is the equilibrium
+    times = np.append(np.geomspace(1 / high, 1 / low, count), np.inf)
     further = 10.0**-decades / (high if decades > 0 else low)
-    alone = parts(omega[:, None] * further)[:, 0]
+    within, alone = seen(times), seen(further)
 
     def fitted(strength: float) -> tuple[np.ndarray, float]:
         found, off = nnls(within, 1 - strength * alone)
         return found, off / np.sqrt(2 * omega.size)
 
-    limit = np.hypot(fitted(0.0)[1], _size(known))
-    least, most = np.log10(modulus.real[0]) - 6, np.log10(modulus.real[-1]) + 12
-    for _ in range(_HALVINGS if decades else 0):
-        middle = 0.5 * (least + most)
-        allowed = fitted(10**middle)[1] < limit
-        least, most = (middle, most) if allowed else (least, middle)
-    strength = 10**least if decades else 0.0
-    moduli = fitted(strength)[0]
-    order = np.argsort(every := np.append(times, further))
+    strength, limit = 0.0, np.hypot(fitted(0.0)[1], _size(known))
+    if decades:
+        least, most = np.log10(modulus.real[[0, -1]])
+        most_allowed: Any = bisect(
+            lambda x: fitted(10**x)[1] - limit, least - 16, most + 12, xtol=1e-5
+        )
+        strength = 10**most_allowed
+    every = np.append(times, further)
+    order = np.argsort(every)
+    moduli = np.append(fitted(strength)[0], strength)[order]
     return replaced(
         series,
-        equilibrium=np.maximum(moduli[0], _SOLID * modulus.real[0]),
-        moduli=np.append(moduli[1:], strength)[order],
-        times=every[order],
+        equilibrium=np.maximum(moduli[-1], _SOLID * modulus.real[0]),
+        moduli=moduli[:-1],
+        times=every[order][:-1],
     )
