@@ -280,6 +280,34 @@ def test_the_written_scene_is_computed(changed, tmp_path, monkeypatch, capsys):
         assert said in rubber
 
 
+def test_a_calibration_without_doubts_is_computed(tmp_path, monkeypatch):
+    """Of measured moduli, at frequencies that they have."""
+    monkeypatch.chdir(tmp_path)
+    scene = RIG.replace("tread-passenger-synthetic", "epdm-70")
+    (tmp_path / "rig.toml").write_text(scene)
+    velocity = np.geomspace(1e-4, 1e-2, 5)
+    road = em.SelfAffine(0.8, rms_height=1e-4, q_low=2 * np.pi / 5e-3, q_high=6e4)
+    mu = em.friction(
+        em.load_material("epdm-70"),
+        road.ended(7e4),
+        velocity=velocity,
+        temperature=293.15,
+        pressure=5e5,
+    ).mu
+    noise = 1 + 0.01 * np.array([1, -1, 0, 1, -1])
+    rows = [
+        f"{v:.6g},20,{x:.6g},{x / 50:.6g}"
+        for v, x in zip(velocity, mu * noise, strict=True)
+    ]
+    head = "velocity [m/s],temperature [degC],mu,error"
+    (tmp_path / "rig.csv").write_text("\n".join([head, *rows]))
+    asked = ["--measured", "rig.csv", "--parameters", "q_high", "--out", "new"]
+    assert main(["calibrate", "rig.toml", *asked]) == 0
+    written = "new/rig-calibrated.toml"
+    assert "doubts" not in tomllib.loads((tmp_path / written).read_text())
+    assert main(["friction", written, "--out", "new"]) == 0
+
+
 def test_what_nothing_decides_is_not_written(tmp_path, monkeypatch, capsys):
     """Values that moved within what was assumed are no calibration."""
     monkeypatch.chdir(tmp_path)

@@ -304,7 +304,13 @@ REFUSED = {
     ),
     "o_ring": lambda m: em.o_ring(m, diameter=5e-3, squeeze=0.2),
     "leak": lambda m: em.leak(
-        m, SURFACE, pressure=3e5, pressure_drop=1e5, viscosity=1.0, length=1.0
+        m,
+        SURFACE,
+        pressure=3e5,
+        pressure_drop=1e5,
+        viscosity=1.0,
+        length=1.0,
+        time=1.0,
     ),
     "lubricated": lambda m: em.lubricated(
         m, em.Cylinder(5e-3, 1.0), velocity=1.0, load=1.0, viscosity=1.0

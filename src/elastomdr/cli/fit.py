@@ -485,7 +485,8 @@ def calibrated(
     about["description"] = "; ".join([described, "calibrated", *doubts])
     written = partial(em.save_material, found.material, info=about)
     files[f"{stem}-material.toml"] = written
-    content |= {"material": f"{stem}-material.toml", "doubts": doubts}
+    content |= {"material": f"{stem}-material.toml"}
+    content |= {"doubts": doubts} if doubts else {}
     if data.temperature is not None and "temperature" not in content:
         kelvin = np.unique(np.round(data.temperature - 273.15))
         content["temperature"] = [f"{t:g} degC" for t in kelvin]
