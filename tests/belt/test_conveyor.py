@@ -38,6 +38,9 @@ def test_the_band_of_the_power_is_said():
     assert high > 1.001 * low
     said = dict(found.headline())["how sure"]
     assert said.startswith(f"{low:.3g} to {high:.3g} there")
+    rests = dict(found.headline())["rests on"]
+    assert "moduli" in rests
+    assert "temperature" in rests
 
 
 def test_sum_over_the_idlers():

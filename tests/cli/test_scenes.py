@@ -116,6 +116,33 @@ def test_a_tyre_brakes_like_one(tmp_path):
     assert {path.name for path in tmp_path.glob("*.tir")} == said
 
 
+def test_what_rolling_rests_on_stands_beside_it(tmp_path, capsys):
+    """A degree changes it by more than the plain band, which names what it leaves out;
+    a whole belt has no parts, and says so before it is computed.
+    """
+    scene = fewer("belt_rig.toml", 2, tmp_path)
+    assert main(["rolling", str(scene), "--out", str(tmp_path)]) == 0
+    assert mentions(capsys.readouterr().out, "moduli", "temperature")
+    assert main(["rolling", str(scene), "--out", str(tmp_path), "--uncertainty"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    lines = (tmp_path / "belt_rig-rolling-uncertainty.csv").read_text().splitlines()
+    rows = [*csv.DictReader(line for line in lines if not line.startswith("#"))]
+    share = {
+        part: max(float(r["share [-]"] or 0) for r in rows if r["part"] == part)
+        for part in ("model", "temperature")
+    }
+    assert share["temperature"] > share["model"] > 0
+    assert mentions(said[1], "temperature", "model")
+    assert mentions(said[2], "band: rubber")
+    belt = FOLDER / "belt_conveyor.toml"
+    assert main(["rolling", str(belt), "--out", str(tmp_path), "--uncertainty"]) == 2
+    assert mentions(capsys.readouterr().err, "--uncertainty", "[conveyor]")
+    drawn = tmp_path / "belt.toml"
+    drawn.write_text("uncertainty = 4\n" + belt.read_text())
+    assert main(["rolling", str(drawn), "--out", str(tmp_path)]) == 2
+    assert mentions(capsys.readouterr().err, "uncertainty", "draws")
+
+
 def test_what_friction_rests_on_stands_beside_it(tmp_path, capsys):
     """What `curve.uncertainty()` is in Python, with its doubts."""
     scene = fewer("slider.toml", 4, tmp_path)
@@ -144,6 +171,8 @@ def test_what_friction_rests_on_stands_beside_it(tmp_path, capsys):
     assert mentions(said[1], *(f"{max(end, 0):.3g}" for end in ends))
     assert mentions(said[1], f"model {100 * held['model'].share[i]:.2g} %")
     assert mentions(said[2], held.surer()[0].test, "not in the band", "rubber")
+    assert main(["friction", str(scene), "--out", str(tmp_path)]) == 0
+    assert mentions(capsys.readouterr().out, "moduli", "temperature")
     asked = ["--out", str(tmp_path), "--uncertainty", "--verbose"]
     assert main(["friction", str(scene), *asked]) == 0
     assert all(each.words() in capsys.readouterr().out for each in held.surer()[:1])

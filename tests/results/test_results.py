@@ -244,7 +244,13 @@ def test_headline_is_peak_band_and_doubts():
     said = headline(model_error=bound)
     assert mentions(said["peak"], 0.5, 0.01, "m/s", 0.0001, 100)
     assert mentions(said["how sure"], 0.45, 0.55, 2, "%", 8)
-    assert said["rests on"] == "nbr; bare MDR line"
+    assert said["rests on"].startswith("nbr; bare MDR line; ")
+    assert mentions(said["rests on"], "moduli", "temperature")
+    fitted = headline(
+        inputs=(("material", "nbr"), ("material against its data", "1 %"))
+    )
+    assert mentions(fitted["rests on"], "temperature")
+    assert "moduli" not in fitted["rests on"]
     assert mentions(said["doubts"], "not converged", "1 of 33", "bound")
     said = headline(model_error=np.where(VELOCITY < 1, np.nan, bound))
     assert "not known" in said["how sure"]
@@ -253,7 +259,7 @@ def test_headline_is_peak_band_and_doubts():
     assert mentions(said["doubts"], "1 of 33", "extrapolated", "8 of 33")
     pressed = np.full(VELOCITY.size, 1e5)
     dry = headline(adhesion=0.2 * friction_curve().mu, pressure=pressed)
-    assert mentions(dry["rests on"], "shear law", 20, "shortest wave")
+    assert mentions(dry["rests on"], "shear law", 20, "shortest wave", "heights")
     falling = dict(friction_curve(velocity=np.geomspace(1e2, 1.0, 5)).headline())
     assert mentions(falling["largest"], 1, "the lowest velocity", 0.0001, 100)
     both = FrictionCurve.stack([friction_curve()] * 2, ["nbr", "sbr"])

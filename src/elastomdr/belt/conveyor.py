@@ -37,6 +37,7 @@ from ..errors import InputError, warned_once
 from ..results.base import Result, quantity, record
 from ..results.curve import sure
 from ..results.doubts import Doubt, carried
+from ..results.uncertainty import left_out
 from ..results.words import brief, describe, in_words
 from ..surface.shapes import Cylinder
 from ..trees import Tree, fill
@@ -166,6 +167,9 @@ class Conveyor(Result):
 
     def _sure(self, i: int) -> str:
         return sure(i, self.power, *self.errors())
+
+    def _left_out(self, i: int, drawn: bool) -> str:
+        return left_out(self, drawn)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Least and largest power per kilometre, and where."""

@@ -46,6 +46,14 @@ def run(options: argparse.Namespace) -> int:
     with warned_of_at_the_end():
         with of_file(path):
             scene = read_scene(options.verb, path)
+            parted = getattr(options, "uncertainty", False)
+            if parted and scene.called() not in ("friction", "rolling"):
+                raise InputError(
+                    argument="--uncertainty",
+                    accepted=f"left out of a scene with [{scene.mark}]",
+                    hint="it is known of the rolling resistance alone, of a scene "
+                    "without that table",
+                )
             arguments = scene.arguments(path.parent)
             beside: Any = scene.beside(path.parent)
             compared = options.verb == "compare"
@@ -57,7 +65,6 @@ def run(options: argparse.Namespace) -> int:
                 if beside is not None:
                     results.append(em.rolling(**beside))
                     more.append(f"{path.stem}-rolling")
-                parted = getattr(options, "uncertainty", False)
                 if parted:
                     results.append(scene.judged(results[0]))
                     more.append(f"{stem}-uncertainty")

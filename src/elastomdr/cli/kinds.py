@@ -77,7 +77,7 @@ def _refuse(verb: str, kind: type[Scene], key: str, table: bool) -> None:
         raise InputError(
             argument=name,
             accepted="left out of a scene of this kind",
-            hint=f'it is one of "{about(kind).rstrip(".")}"',
+            hint=kind.without.get(key) or f'it is one of "{about(kind).rstrip(".")}"',
         )
     homes = [
         home

@@ -145,13 +145,13 @@ def _parser() -> argparse.ArgumentParser:
             help="folder for the files (default: this one)",
         )
         add_verbose(command)
-        if verb == "friction":
+        if verb in ("friction", "rolling"):
             command.add_argument(
                 "--uncertainty",
                 action="store_true",
-                help="write NAME-friction-uncertainty.csv and .png as well: what mu "
-                "rests on, part by part, and which test would make it surer; takes up "
-                "to thirty times as long",
+                help=f"write NAME-{verb}-uncertainty.csv and .png as well: what the "
+                "coefficient rests on, part by part, and which test would make it "
+                "surer; takes up to thirty times as long",
             )
     for verb, run, words, add_options in _OTHERS:
         add_options(_added(commands, verb, run, words))

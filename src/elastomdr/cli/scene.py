@@ -169,6 +169,7 @@ class Scene(Table):
     # the table by which a scene of this kind is recognised
     mark: ClassVar[str] = "indenter"
     call: ClassVar[str]
+    without: ClassVar[dict[str, str]] = {}  # keys of other kinds, and why not here
     rough: ClassVar[str] = "surface"  # what the call calls a [surface]
 
     title: Text | None = None

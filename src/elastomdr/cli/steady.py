@@ -358,6 +358,10 @@ class ConveyorScene(Scene):
         conveyor: the belt
     """
 
+    without: ClassVar[dict[str, str]] = {
+        "uncertainty": "a belt takes no draws of its rubber; one roll on its cover does, "
+        "in a scene without [conveyor]"
+    }
     mark: ClassVar[str] = "conveyor"
     call: ClassVar[str] = "conveyor"
     indenter: CylinderTable

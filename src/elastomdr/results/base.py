@@ -695,7 +695,9 @@ class Result(WithTable):
         if top is not None:
             drawn = (f"{name}: {said}; each: " for name, said in self._spread())
             yield "how sure", "".join(drawn if self.drawn else ()) + one._sure(top)
-        yield "rests on", "; ".join(filter(None, one._rests_on(top or 0)))
+        left_out = one._left_out(top or 0, self._rubber_drawn())
+        rests = [*one._rests_on(), f"not in the band: {left_out}" if left_out else ""]
+        yield "rests on", "; ".join(filter(None, rests))
         yield "doubts", counted_kinds(self.doubts) or "none"
 
     def extremes(self, points: np.ndarray) -> tuple[str, str, int | None]:
@@ -766,10 +768,24 @@ class Result(WithTable):
             return f"{said}; bound on the model: {span(100 * bound, '%')} of the value"
         return f"{said}; bound on the model: {span(bound)}"
 
-    def _rests_on(self, i: int) -> Iterator[str]:
-        """Material and model, in short, and what the band of a point leaves out."""
+    def _rests_on(self) -> Iterator[str]:
+        """Material and model, in short."""
         yield dict(self.inputs).get("material", "")
         yield self.short_model()
+
+    def _left_out(self, i: int, drawn: bool) -> str:
+        """What the band of a point leaves out, where it has one; `drawn`: it holds what
+        draws of the rubber change.
+        """
+        return ""
+
+    def _rubber_drawn(self) -> bool:
+        """Whether these are draws of the rubber, and not of its road alone."""
+        every = self.again if isinstance(self.again, tuple) else ()
+        rubbers = [each.material for each in every if each]
+        call = self.once
+        alone = call is not None and all(each is call.material for each in rubbers)
+        return self.drawn and not alone
 
     def short_model(self) -> str:
         """The name of the model, without what it means."""

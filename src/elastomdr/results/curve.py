@@ -49,6 +49,7 @@ from .uncertainty import (
     Uncertainty,
     changed,
     computed,
+    left_out,
     unforetold,
     unknown,
 )
@@ -220,6 +221,13 @@ class AbstractCurve(AbstractPoints):
         """The band at a point, and what it consists of."""
         return sure(i, self._shown(), self.error, self.model_error, self._ends())
 
+    def _left_out(self, i: int, drawn: bool) -> str:
+        return left_out(self, drawn, self._of_road(i))
+
+    def _of_road(self, i: int) -> Iterator[str]:
+        """What the band of a point leaves out beside moduli and temperature."""
+        return iter(())
+
     def uncertainty(self, *, level: float = 0.0, cutoff: float = 0.0) -> Uncertainty:
         """What the coefficient rests on, part by part: numerical, model, rubber, road,
         shear law, temperature; how much of it each may change, and which tests would
@@ -268,7 +276,7 @@ class AbstractCurve(AbstractPoints):
         once = None if call is None else call.curve(Change())
         if call is not None and isinstance(once, AbstractCurve):
             one = dataclasses.replace(once, again=call)
-            if all(each is call.material for each in rubbers):
+            if not self._rubber_drawn():
                 yield from one._parts()
                 return
             if any(call.errors):  # which the draws hold, too
@@ -514,19 +522,15 @@ class FrictionCurve(AbstractCurve):
             return None
         return self.mu_low, self.mu_high
 
-    def _rests_on(self, i: int) -> Iterator[str]:
-        yield from super()._rests_on(i)
-        left_out = []
+    def _of_road(self, i: int) -> Iterator[str]:
         if self.adhesion is not None:
             share = float(np.ravel(self.adhesion)[i] / np.ravel(self.mu)[i])
-            left_out.append(
-                f"the shear law ({significant(100 * share, 2)} % of mu there)"
-            )
-        drawn = self._call is not None and self._call.errors.cutoff > 0
-        if self.pressure is not None and not drawn:
-            left_out.append("the shortest wave of the surface")
-        if left_out:
-            yield f"not in the band: {', '.join(left_out)}"
+            yield f"the shear law ({significant(100 * share, 2)} % of mu there)"
+        errors = NOT_STATED if self._call is None else self._call.errors
+        if self.pressure is not None and not errors.cutoff:
+            yield "the shortest wave of the surface"
+        if self.pressure is not None and not errors.level:
+            yield "the heights of the surface"
 
     def law(self) -> FrictionLaw:
         """mu(v, T, p) on the grid of this curve, to be interpolated, written, and given

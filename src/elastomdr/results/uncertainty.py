@@ -242,7 +242,7 @@ class Uncertainty(AbstractPoints):
         there = "not known" if np.isnan(value * half) else " to ".join(ends)
         parts = (f"{p.source} {percent(x)}" for x, p in one.largest() if x >= SEEN)
         yield "how sure", f"{there} there: {', '.join(parts)}"
-        rests = [*self._rests_on(0)]
+        rests = [*self._rests_on()]
         rests += [f"not in the band: {', '.join(left_out)}"] if left_out else []
         rests += [f"surer: {each.words()}" for each in self.surer()[:1]]
         yield "rests on", "; ".join(filter(None, rests))
@@ -285,6 +285,14 @@ def computed(
         yield unknown(
             "temperature", none, "one temperature only", "DMA at several temperatures"
         )
+
+
+def left_out(result: Result, drawn: bool, road: Iterable[str] = ()) -> str:
+    """What the band of a result that was computed once does not hold: moduli that are
+    neither `drawn` nor have their misfit in the error, a temperature, those of a road.
+    """
+    moduli = [] if drawn or FITTED in dict(result.inputs) else ["the moduli"]
+    return ", ".join([*moduli, "the temperature", *road])
 
 
 def unknown(source: str, value: Array, assumed: str, test: str) -> Part:
