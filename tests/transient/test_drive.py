@@ -9,6 +9,8 @@ import signal
 import sys
 import threading
 import warnings
+from time import process_time
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -407,6 +409,38 @@ def test_reverse_gradient_of_a_record_with_many_branches():
             np.testing.assert_allclose(
                 slopes[i] * at[i], (ends[0] - ends[1]) / 2e-4, rtol=1e-4
             )
+
+
+def test_a_reverse_gradient_takes_time_in_proportion_to_the_march():
+    """Sixteen times the blocks of steps took 200 times as long while what was seen of
+    the whole history was part of the state.
+    """
+
+    class Lag(NamedTuple):
+        h: jax.Array
+        w: jax.Array
+
+    def seconds(blocks):
+        steps = Lag(jnp.full(64 * blocks, 1e-3), jnp.linspace(0, 1, 64 * blocks))
+
+        def total(rate):
+            def step(u, now):
+                return u + now.h * rate * (now.w - u), now.w
+
+            seen = march.march(
+                step, jnp.multiply, jnp.zeros(64), steps, None, lambda block: block
+            )[1]
+            return jnp.sum(seen)
+
+        slope = jax.jit(jax.grad(total)).lower(2.0).compile()
+        taken = []
+        for _ in range(5):
+            begin = process_time()
+            slope(2.0).block_until_ready()
+            taken.append(process_time() - begin)
+        return min(taken)
+
+    assert seconds(512) < 4 * 16 * seconds(32)
 
 
 def test_refuses_bad_mounts():

@@ -6,8 +6,7 @@ diffrax, and what moves over the elements as its terms.
     diffrax.diffeqsolve(body, em.elements.ContactStep(), t0, t1, dt0, body.start(law), law)
 
 A row of elements is no vector field: what happens to it in a step is said by the term
-that `ContactStep` solves, a rigid surface on a given way, a body that moves, or a
-history cut into blocks of steps.
+that `ContactStep` solves: a rigid surface on a given way, or a body that moves.
 """
 
 from __future__ import annotations
@@ -329,59 +328,6 @@ def _elements(state: Elements | BodyMotion) -> Elements | LineMemory:
     return state.line if isinstance(state, BodyMotion) else state
 
 
-class Blocks(AbstractOverElements):
-    """Histories cut into blocks of steps, `args`, one along the first axis of each
-    array; time counts them.
-
-    `block(state, steps)` gives the state after a block, and what was seen in it. The
-    state of this term is both, what was seen in all blocks; see `in_blocks`.
-    """
-
-    block: Callable[[Any, Any], tuple[Any, Any]]
-
-    def after(
-        self,
-        t0: Instant,
-        t1: Instant,
-        state: tuple[Any, Any],
-        args: PyTree,
-        samples: int,
-    ) -> tuple[Any, Any]:
-        number = jnp.round(t0).astype(int)
-        end, seen = self.block(state[0], jax.tree.map(lambda x: x[number], args))
-        return end, jax.tree.map(lambda all, x: all.at[number].set(x), state[1], seen)
-
-
-def in_blocks(
-    block: Callable[[State, Any], tuple[State, Any]], start: State, blocks: PyTree
-) -> tuple[State, Any]:
-    """The state after all blocks, and what was seen in each; derivatives in both modes.
-
-    What was seen is kept in the state: the buffers of `diffrax.SaveAt` are compiled
-    under the caller's types, which may be of 32 bits.
-    """
-    number = jax.tree.leaves(blocks)[0].shape[0]
-    first = jax.tree.map(lambda x: x[0], blocks)
-    seen = jax.tree.map(
-        lambda x: jnp.zeros((number, *x.shape), x.dtype),
-        jax.eval_shape(block, start, first)[1],
-    )
-    solution = diffrax.diffeqsolve(
-        Blocks(block),
-        ContactStep(),
-        t0=0.0,
-        t1=float(number),
-        dt0=1.0,
-        y0=(start, seen),
-        args=blocks,
-        max_steps=number,
-        adjoint=diffrax.DirectAdjoint(),
-        throw=False,  # which would be a callback, and keep no compiled code
-    )
-    end, looked = jax.tree.map(lambda x: x[-1], solution.ys)
-    return end, looked
-
-
 class ContactStep(diffrax.AbstractSolver):
     """The exact contact step: second order, stable for every step, Signorini's
     conditions exact at its ends.
@@ -424,8 +370,6 @@ class ContactStep(diffrax.AbstractSolver):
     def init(
         self, terms: PyTree, t0: Instant, t1: Instant, y0: PyTree, args: PyTree
     ) -> None:
-        if isinstance(_term(terms), Blocks):
-            return
         # what JAX makes here has as many as it was told, whatever the state has
         _in_64_bits("y0", (y0, jnp.zeros(())))
         law = isinstance(args, Foundation | Relaxation)
@@ -447,21 +391,16 @@ class ContactStep(diffrax.AbstractSolver):
         args: PyTree,
         solver_state: None,
         made_jump: PyTree,
-    ) -> tuple[State, State | None, dict[str, State], None, diffrax.RESULTS]:
-        term, error = _term(terms), None
+    ) -> tuple[State, State, dict[str, State], None, diffrax.RESULTS]:
+        term = getattr(terms, "term", terms)  # diffeqsolve wraps it
         y1 = term.after(t0, t1, y0, args, self.samples)
-        if not isinstance(term, Blocks):
-            # which the compiler leaves out where no controller asks for it
-            halved = term.after(t0, t1, y0, args, 2 * self.samples)
-            error = _error(args, y1, halved, (t1 - t0) / self.samples)
+        # which the compiler leaves out where no controller asks for it
+        halved = term.after(t0, t1, y0, args, 2 * self.samples)
+        error = _error(args, y1, halved, (t1 - t0) / self.samples)
         return y1, error, {"y0": y0, "y1": y1}, None, diffrax.RESULTS.successful
 
     def func(self, terms: PyTree, t0: Instant, y0: PyTree, args: PyTree) -> PyTree:
         return terms.vf(t0, y0, args)
-
-
-def _term(terms: PyTree) -> AbstractOverElements:
-    return getattr(terms, "term", terms)  # diffeqsolve wraps it
 
 
 def _error(law: AbstractRelaxation, one: State, halved: State, h: Instant) -> State:

@@ -135,10 +135,8 @@ def _on_jax(
     is_seen: Array | None,
     prepare: Callable[[Any], Any],
 ) -> tuple[S, Any]:
-    """The same as one `diffrax.diffeqsolve`, a block of steps a step of its solver."""
+    """The same, compiled; reverse mode keeps the state before each block of steps."""
     import jax
-
-    from ..element.elements import in_blocks
 
     count = steps.h.shape[0]
     steps = padded(steps)
@@ -169,7 +167,7 @@ def _on_jax(
     def made(state: S, part: tuple[Any, Array]) -> tuple[S, Any]:
         return jax.lax.cond(part[0].h[0] > 0, block, left_out, state, part)
 
-    state, seen = in_blocks(made, state, blocks)
+    state, seen = jax.lax.scan(made, state, blocks)
     return state, jax.tree.map(lambda x: x.reshape(filled, *x.shape[2:])[:count], seen)
 
 
