@@ -61,21 +61,18 @@ def run(options: argparse.Namespace) -> int:
             shown = {"title": scene.title} if compared else shown
             stem = f"{path.stem}-{'compare' if compared else scene.called()}"
             with scene.in_keys(), em.progress(f"{scene.called()} of {path.name}"):
-                results, more = [_computed(scene, arguments)], []
+                results, names = [_computed(scene, arguments)], [stem]
                 if beside is not None:
                     results.append(em.rolling(**beside))
-                    more.append(f"{path.stem}-rolling")
+                    names.append(f"{path.stem}-rolling")
                 if parted:
                     results.append(scene.judged(results[0]))
-                    more.append(f"{stem}-uncertainty")
+                    names.append(f"{stem}-uncertainty")
             outcomes = [scene.outcome(results[0]), *results[1:]]
         notes = _notes(path, scene)
-        drawn = [(stem, outcomes[0], shown)]
-        drawn += [
-            (name, each, {}) for name, each in zip(more, results[1:], strict=True)
-        ]
         files: dict[str, Callable[[Path], object]] = {}
-        for name, each, how in drawn:
+        for name, each in zip(names, outcomes, strict=True):
+            how = shown if name == stem else {}
             files[f"{name}.csv"] = partial(_write_table, each, notes)
             files[f"{name}.png"] = partial(write_figure, each, how)
         sentence = scene.said(results[0])
@@ -115,14 +112,9 @@ def output_folder(out: str) -> Path:
     folder = Path(out)
     try:
         existing = next(
-            (f for f in (folder, *folder.absolute().parents) if f.exists()), None
+            (f for f in (folder, *folder.absolute().parents) if f.exists()), folder
         )
-        usable = (
-            existing is not None
-            and existing.is_dir()
-            and os.access(existing, os.W_OK)
-            and "\0" not in out
-        )
+        usable = existing.is_dir() and os.access(existing, os.W_OK) and "\0" not in out
     except (OSError, ValueError):
         usable = False
     if not usable:
@@ -179,13 +171,10 @@ def _computed(scene: Scene, arguments: Arguments) -> Any:
     try:
         return scene.doubted(getattr(em, scene.called())(**arguments))
     except KeyboardInterrupt as error:
-        raise KeyboardInterrupt(_nothing_written(scene.called())) from error
-
-
-def _nothing_written(called: str) -> str:
-    """What an interrupted run leaves, and which command leaves more."""
-    keeps = "; `elastomdr sweep` keeps what is done, and goes on from there"
-    return "; nothing was written" + (keeps if called in _SWEPT else "")
+        left = "; nothing was written"
+        if scene.called() in _SWEPT:
+            left += "; `elastomdr sweep` keeps what is done, and goes on from there"
+        raise KeyboardInterrupt(left) from error
 
 
 def how_drawn(scene: Scene, arguments: Arguments, folder: Path) -> Arguments:

@@ -234,8 +234,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="sbr-gum-like",
         help="whose spectrum --shore-a scales (default: sbr-gum-like)",
     )
-    out = "folder for the files (default: this one)"
-    add("--out", metavar="DIR", default=".", help=out)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -479,13 +477,13 @@ def calibrated(
         f"{stem}-calibrate.csv": found.to_csv,
         f"{stem}-calibrate.png": partial(write_figure, found, {}),
     }
+    done = Calibrated(found, content, files, data, file)
     if not found.decided:  # moved within what was assumed: nothing to compute with
-        return Calibrated(found, content, files, data, file)
-    described = about.get("description", name)
+        return done
+    described, file_name = about.get("description", name), f"{stem}-material.toml"
     about["description"] = "; ".join([described, "calibrated", *doubts])
-    written = partial(em.save_material, found.material, info=about)
-    files[f"{stem}-material.toml"] = written
-    content |= {"material": f"{stem}-material.toml"}
+    files[file_name] = partial(em.save_material, found.material, info=about)
+    content |= {"material": file_name}
     content |= {"doubts": doubts} if doubts else {}
     if data.temperature is not None and "temperature" not in content:
         kelvin = np.unique(np.round(data.temperature - 273.15))
@@ -513,7 +511,7 @@ def calibrated(
                 "energy": f"{float(law.shift.energy)!r} J/mol",
                 "reference": f"{float(law.shift.reference) - 273.15:.10g} degC",
             }
-    return Calibrated(found, content, files, data, file)
+    return done
 
 
 def _write_surface(
@@ -558,8 +556,10 @@ def run_calibration(options: argparse.Namespace) -> int:
             table["file"] = os.path.relpath(path.parent / file, folder)
     name, files, said = f"{path.stem}-calibrated", done.files, done.lines()
     if done.found.decided:
-        notes = (f"{word}: {text}" for word, text in said.items())
-        notes = (f"calibrated with {done.measured.name}", *notes)
+        notes = (
+            f"calibrated with {done.measured.name}",
+            *(f"{word}: {text}" for word, text in said.items()),
+        )
         text = toml("friction", scene, name, notes)
         files |= {f"{name}.toml": lambda to: to.write_text(text, "utf-8")}
     write_all(folder, files)

@@ -147,14 +147,12 @@ class Triangle(Program, tag="triangle"):
     def course(self) -> "tuple[np.ndarray, np.ndarray]":
         import numpy as np
 
-        kinks, heights = [0.0], [0.0]
+        kinks, heights, rest = [0.0], [0.0], self.rest or 0.0
         for i in range(self.cycles):
-            start = i * (self.duration + (self.rest or 0.0))
-            kinks += [start + 0.5 * self.duration, start + self.duration]
-            heights += [1.0, 0.0]
-            if self.rest:
-                kinks.append(start + self.duration + self.rest)
-                heights.append(0.0)
+            start = i * (self.duration + rest)
+            end = start + self.duration
+            kinks += [start + 0.5 * self.duration, end, end + rest]
+            heights += [1.0, 0.0, 0.0]
         time = np.union1d(kinks, np.linspace(0, kinks[-1], self.points))
         return time, np.interp(time, kinks, heights)
 

@@ -55,19 +55,14 @@ def run(options: argparse.Namespace) -> int:
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(content)
-    except FileExistsError as error:
-        raise InputError(
-            argument="NAME.toml",
-            got=str(path),
-            accepted="another file, since this one exists",
-            hint="give another name, elastomdr init NAME.toml",
-        ) from error
     except (OSError, ValueError) as error:
+        accepted = "a file that can be written"
+        hint = str(getattr(error, "strerror", None) or error)
+        if isinstance(error, FileExistsError):
+            accepted = "another file, since this one exists"
+            hint = "give another name, elastomdr init NAME.toml"
         raise InputError(
-            argument="NAME.toml",
-            got=str(path),
-            accepted="a file that can be written",
-            hint=str(getattr(error, "strerror", None) or error),
+            argument="NAME.toml", got=str(path), accepted=accepted, hint=hint
         ) from error
     command = content.split("elastomdr ", 1)[1].partition("\n")[0]
     print(f"wrote {path}\nelastomdr {command.replace(path.name, str(path), 1)}")

@@ -73,17 +73,17 @@ def decoded(verb: str, content: Content) -> Scene:
 def _refuse(verb: str, kind: type[Scene], key: str, table: bool) -> None:
     """Raises `InputError` for a key that other kinds of scenes have."""
     name = f"[{key}]" if table else key
-    if any(key in keys_of(other) for other in KINDS[verb]):
-        raise InputError(
-            argument=name,
-            accepted="left out of a scene of this kind",
-            hint=kind.without.get(key) or f'it is one of "{about(kind).rstrip(".")}"',
-        )
     homes = [
         home
         for home, kinds in KINDS.items()
         if any(key in keys_of(other) for other in kinds)
     ]
+    if verb in homes:
+        raise InputError(
+            argument=name,
+            accepted="left out of a scene of this kind",
+            hint=kind.without.get(key) or f'it is one of "{about(kind).rstrip(".")}"',
+        )
     if homes:
         raise InputError(
             argument=name,

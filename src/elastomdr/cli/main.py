@@ -138,13 +138,7 @@ def _parser() -> argparse.ArgumentParser:
         files = f"Writes NAME-{verb}.csv and NAME-{verb}.png: {words}."
         command = _added(commands, verb, "compute:run", words, files)
         _add_scene(command, "the scene to compute; its keys are listed below")
-        command.add_argument(
-            "--out",
-            metavar="DIR",
-            default=".",
-            help="folder for the files (default: this one)",
-        )
-        add_verbose(command)
+        _add_output(command)
         if verb in ("friction", "rolling"):
             command.add_argument(
                 "--uncertainty",
@@ -173,8 +167,14 @@ def _add_scene(command: _Parser, words: str) -> None:
     command.add_argument("scene", metavar="SCENE.toml", help=words)
 
 
-def add_verbose(command: argparse.ArgumentParser) -> None:
-    """The option that has all printed."""
+def _add_output(command: _Parser) -> None:
+    """Where files are written to, and how much is printed."""
+    command.add_argument(
+        "--out",
+        metavar="DIR",
+        default=".",
+        help="folder for the files (default: this one)",
+    )
     command.add_argument(
         "--verbose",
         action="store_true",
@@ -235,7 +235,7 @@ def _add_sweep(command: _Parser) -> None:
 
 def _add_fit(command: _Parser) -> None:
     importlib.import_module(".fit", __package__).add_arguments(command)
-    add_verbose(command)
+    _add_output(command)
 
 
 def _add_calibrate(command: _Parser) -> None:
@@ -269,8 +269,7 @@ def _add_calibrate(command: _Parser) -> None:
         help="draws of the parameters, for intervals that need not be symmetric; 200 "
         "take about a minute",
     )
-    add("--out", metavar="DIR", default=".", help="folder for the files")
-    add_verbose(command)
+    _add_output(command)
 
 
 def _add_app(command: _Parser) -> None:

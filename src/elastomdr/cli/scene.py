@@ -11,7 +11,6 @@ import elastomdr as em
 
 from ..call.types import ModelName
 from ..errors import InputError
-from ..results.doubts import Doubt
 from ..trees import replaced
 from .bodies import SurfaceTable
 from .schema import (
@@ -188,6 +187,8 @@ class Scene(Table):
 
     def doubted(self, result: "Result") -> "Result":
         """The result with the doubts that the scene has."""
+        from ..results.doubts import Doubt
+
         everywhere, marks = result.converged | True, result.marks
         for said in getattr(self, "doubts", None) or ():
             marks += (Doubt("estimate", everywhere, f"rest on a calibration: {said}"),)
@@ -227,11 +228,11 @@ class Scene(Table):
                 yield
         except InputError as error:
             name = error.argument
-            tables = {key: getattr(self, key) for key in self.__struct_fields__}
-            tables = {k: t for k, t in tables.items() if isinstance(t, Table)}
+            present = given(self)
+            tables = {k: t for k, t in present.items() if isinstance(t, Table)}
             if name in tables:
                 error.called(f"[{name}]")
-            elif name not in given(self) and (
+            elif name not in present and (
                 home := [k for k, t in tables.items() if name in given(t)]
             ):
                 with named(f"[{home[0]}]"), as_typed(tables[home[0]]):
@@ -380,8 +381,8 @@ def _pair(
     from ..material.shift import same_thermal
 
     if same_thermal(material, other):
-        given_too = {"temperature": temperatures} if temperatures else {}
-        return {"material": em.half_space(material, other), **given_too}
+        found: Arguments = {"material": em.half_space(material, other)}
+        return found | ({"temperature": temperatures} if temperatures else {})
     if len(temperatures) != 1:
         raise InputError(
             argument="temperature",

@@ -333,9 +333,8 @@ def _decoded_table(
             for home, other in keys.items()
             if any(key in keys_of(one) for one in other.tables)
         ]
-        hint = f"It stands in {' or '.join(homes)}." if homes else ""
         hint = (
-            hint
+            (f"It stands in {' or '.join(homes)}." if homes else "")
             or _struct(table).of_others.get(key, "")
             or (closest(str(key), valid) or f"Valid keys are {', '.join(valid)}.")
         )
@@ -414,13 +413,10 @@ def named(table: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        each = (
-            error.got[0]
-            if isinstance(error.got, list | tuple) and error.got
-            else error.got
-        )
+        got = error.got
+        each = got[0] if isinstance(got, list | tuple) and got else got
         if isinstance(each, SceneQuantity):
-            error.got = _typed(type(each), error.got, error.got)
+            error.got = _typed(type(each), got, got)
         if table and not error.argument.startswith("["):
             error.called(f"{table} {error.argument}")
         raise

@@ -73,20 +73,11 @@ class Varied:
     def __call__(
         self, material: Any = None, draw: int | None = None, **given: Any
     ) -> Any:
-        import numpy as np
-
         from ..material.validity import Draws
 
         given |= {} if material is None else {"material": material}
-        place = [
-            values.index(given.pop(name))
-            for name, values in zip(self.names, self.values, strict=True)
-        ]
-        arguments = self.arguments[
-            int(np.ravel_multi_index(place, [len(v) for v in self.values]))
-            if place
-            else 0
-        ]
+        asked = tuple(given.pop(name) for name in self.names)
+        arguments = self.arguments[[*itertools.product(*self.values)].index(asked)]
         if draw is not None:
             arguments = {
                 key: value[draw - 1] if isinstance(value, Draws) else value
@@ -122,7 +113,7 @@ def run(options: argparse.Namespace) -> int:
         _write_table(
             dataset,
             Path(options.table),
-            list(_header(dataset, _inputs(call, content, path))),
+            _header(dataset, _inputs(call, content, path)),
         )
     print(f"wrote {options.out}" + (f" and {options.table}" if options.table else ""))
     return DONE if good == dataset.converged.size else NOT_CONVERGED
@@ -238,23 +229,17 @@ def _client(address: str | None) -> Any:
 
         logging.disable()  # Dask logs a lost cluster with pages of tracebacks
         return Client(address, timeout="10s")
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, ImportError) as error:
+        accepted, hint = "the address of a running Dask scheduler", str(error)
+        if isinstance(error, ImportError):
+            accepted = "left out where distributed is not installed"
+            hint = "pip install elastomdr[sweep]"
         raise InputError(
-            argument="--scheduler",
-            got=address,
-            accepted="the address of a running Dask scheduler",
-            hint=str(error),
-        ) from error
-    except ImportError as error:
-        raise InputError(
-            argument="--scheduler",
-            got=address,
-            accepted="left out where distributed is not installed",
-            hint="pip install elastomdr[sweep]",
+            argument="--scheduler", got=address, accepted=accepted, hint=hint
         ) from error
 
 
-def _write_table(dataset: Any, path: Path, header: list[str]) -> None:
+def _write_table(dataset: Any, path: Path, header: Iterable[str]) -> None:
     """All points as rows, titled as in the tables of curves, so that `em.load_friction`
     reads a map of friction.
 
@@ -264,14 +249,11 @@ def _write_table(dataset: Any, path: Path, header: list[str]) -> None:
 
     points = dataset.drop_vars("state")
     frame = points.to_dataframe().reset_index()
-    about = {name: points[name].attrs for name in frame.columns}
-    titles = [
-        f"{a.get('long_name', name)} [{a['units']}]"
-        if a.get("units")
-        else a.get("long_name", name)
-        for name, a in about.items()
-    ]
-    columns = dict(zip(titles, (frame[c].to_numpy() for c in frame), strict=True))
+    columns = {}
+    for name in frame.columns:
+        about = points[name].attrs
+        unit = f" [{about['units']}]" if about.get("units") else ""
+        columns[about.get("long_name", name) + unit] = frame[name].to_numpy()
     write_files({path: csv_text(header, columns).encode()})
 
 

@@ -30,8 +30,7 @@ def to_text(value: Any) -> str:
         if same[0] and same[1] and same[0][3] == same[1][3]:
             first = first.removesuffix(same[0][3]).rstrip()
         return f"{first} to {last}, {value['points']} points"
-    joined = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
-    return joined
+    return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
 def from_text(key: Key, typed: str, unit: str = "") -> Any:
@@ -62,7 +61,7 @@ def from_text(key: Key, typed: str, unit: str = "") -> Any:
 
 
 def _number(typed: str) -> Any:
-    if _NUMBER.fullmatch(typed) is None:
+    if not is_number(typed):
         return typed
     return int(typed) if re.fullmatch(r"[-+]?\d{1,15}", typed) else float(typed)
 
@@ -75,10 +74,7 @@ def _with_unit(parts: list[str], unit: str = "") -> list[str]:
     unit = unit if match is None else match[3]
     if not unit:
         return parts
-    return [
-        f"{entry} {unit}" if _NUMBER.fullmatch(entry.strip()) else entry
-        for entry in parts
-    ]
+    return [f"{entry} {unit}" if is_number(entry.strip()) else entry for entry in parts]
 
 
 def is_number(typed: str) -> bool:
