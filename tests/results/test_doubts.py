@@ -498,6 +498,22 @@ class TestUncertainty:
             part = found[source]
             np.testing.assert_array_equal(part.after[lost], part.share[lost])
 
+    def test_points_that_failed_take_nothing_from_the_band(self):
+        """Neither a value that is NaN nor one that is only flagged."""
+        found = em.friction(TREAD, ROAD, **SCENE).uncertainty()
+        whole, test = dict(found.headline())["rests on"], found.surer()[0].test
+        i = int(np.ravel(found.value).argmin())
+        share, value = (np.array(x, float) for x in (found.share, found.value))
+        converged = np.array(found.converged)
+        share[:, i], converged[:, i] = np.nan, False
+        for there in (np.nan, value[i]):
+            value[i] = there
+            given = {"share": share, "value": value, "converged": converged}
+            less = dataclasses.replace(found, **given)
+            assert dict(less.headline())["rests on"] == whole
+            assert {x.lost for x in less.surer()} == {0, value.size - 1}
+            assert less.surer()[0].test == test
+
     def test_the_figure_has_a_bar_for_each_part(self):
         found = em.friction(TREAD, ROAD, **SCENE).uncertainty()
         ax = found.plot()

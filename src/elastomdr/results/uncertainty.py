@@ -207,11 +207,16 @@ class Uncertainty(AbstractPoints):
         squares = (np.nan_to_num(share) ** 2 for share in shares.values())
         return bounds + np.sqrt(sum(squares))
 
+    def _good(self) -> np.ndarray:
+        """The points that converged."""
+        value = np.broadcast_to(self.value, self.share.shape)[0]
+        return np.isfinite(value) & np.broadcast_to(self.converged[0], value.shape)
+
     def surer(self) -> tuple[Surer, ...]:
         """The tests that would narrow the band, the one that would most first; then
         those of parts that are not known. Points that did not converge are left out.
         """
-        good = np.isfinite(np.broadcast_to(self.value, self.share.shape)[0])
+        good = self._good()
         tests: list[Surer] = []
         before = float(np.max(self.half_band()[good], initial=0.0))
         for test in dict.fromkeys(self.tests):
@@ -231,12 +236,13 @@ class Uncertainty(AbstractPoints):
         return sorted(parts, key=lambda each: -np.nan_to_num(each[0], nan=-1.0))
 
     def headline(self) -> Iterator[tuple[str, str]]:
-        """What a command prints below the largest value: the band there and its parts,
-        what these rest on with what is not in the band and the test that would narrow
-        it most, and the doubts.
+        """What a command prints below the largest value, of it alone: the band and its
+        parts, what these rest on with what is not in the band and the test that would
+        narrow it most; and the doubts of all points.
         """
-        left_out = [part.source for part in self if np.isnan(part.share).any()]
-        one = self.at([int(np.nan_to_num(self.value, nan=-1.0).argmax())])
+        values = np.broadcast_to(self.value, self.share.shape)[0]
+        one = self.at([int(np.where(self._good(), values, -np.inf).argmax())])
+        left_out = [part.source for part in one if np.isnan(part.share).any()]
         value, half = float(one.value[0, 0]), float(one.half_band()[0])
         ends = [significant(max(value * (1 + x), 0.0), 3) for x in (-half, half)]
         there = "not known" if np.isnan(value * half) else " to ".join(ends)
@@ -244,7 +250,7 @@ class Uncertainty(AbstractPoints):
         yield "how sure", f"{there} there: {', '.join(parts)}"
         rests = [*self._rests_on()]
         rests += [f"not in the band: {', '.join(left_out)}"] if left_out else []
-        rests += [f"surer: {each.words()}" for each in self.surer()[:1]]
+        rests += [f"surer: {each.words()}" for each in one.surer()[:1]]
         yield "rests on", "; ".join(filter(None, rests))
         yield "doubts", counted_kinds(self.doubts) or "none"
 
