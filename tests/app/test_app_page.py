@@ -715,6 +715,7 @@ def test_cards_of_a_result():
     assert len(tops) == 3
     for i, top in enumerate(tops):
         assert top.number.startswith(f"{result.mu[i].max():.3g} ± ")
+        assert mentions(top.notes, "model and computation alone")
     assert sure.title == "How sure"
     share = float(sure.number.split()[1]) / 100
     widest = np.max((result.error + result.model_error) / result.mu)
@@ -919,7 +920,7 @@ def test_every_kind_of_doubt_is_on_the_cards():
     said = " ".join(cold.notes)
     for word in ("not measured", "hotter state", "above half", "an estimate"):
         assert word in said
-    assert len(warm.notes) == 1  # its place
+    assert len(warm.notes) == 2  # its place, and what its band is of
     assert sum("2 of 4 points" in note for note in sure.notes) == len(kinds)
     for kind in kinds[1:]:
         assert f"No {kind}." in surer.notes

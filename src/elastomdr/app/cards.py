@@ -104,7 +104,7 @@ def cards(
         Card(
             " ".join(filter(None, (_title(result, top), top.name))),
             f"{_number(result, top.y)}{_in_brackets(result, top)}",
-            tuple(filter(None, (top.place, *top.doubted()))),
+            tuple(filter(None, (top.place, _of_brackets(top), *top.doubted()))),
         )
         for top in tops[:_MOST]
     ]
@@ -304,9 +304,15 @@ def _duration(seconds: float) -> str:
     return f"{significant(seconds / size, 3)} {name}"
 
 
+def _of_brackets(top: _Top) -> str:
+    """What the uncertainty behind a number is of, where it stands there."""
+    seen = top.share(top.spread) >= 0.1 * SMALL
+    return "its band is of model and computation alone" if seen else ""
+
+
 def _in_brackets(result: Result, top: _Top) -> str:
     """The uncertainty behind a number, where it is known and can be seen in its digits."""
-    if top.share(top.spread) < 0.1 * SMALL:
+    if not _of_brackets(top):
         return ""
     if isinstance(result, em.Leak):
         factor = 1 + top.share(top.spread)
