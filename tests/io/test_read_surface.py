@@ -297,3 +297,17 @@ def test_the_advice_on_levels_gives_the_surface():
     expected = em.Spectrum(q, 1e-4 * q**-2.6, convention="1d one-sided")
     np.testing.assert_allclose(got.c, expected.c, rtol=1e-9)
     assert abs(2 ** (1 / 6) - 2 ** (-1 / 6) - 0.2316) < 1e-4
+
+
+def test_infinite_heights_are_missing():
+    """Also beside each other, where their difference is no number."""
+    height = np.random.default_rng(0).standard_normal((64, 64)) * 1e-7
+    missing = height.copy()
+    height[3, 4:9], height[20:30, 40], height[21, 40] = np.inf, -np.inf, np.inf
+    missing[~np.isfinite(height)] = np.nan
+    for points in (np.s_[:], np.s_[3]):
+        found, other = (
+            em.read_surface(each[points], pixel_size=1e-6) for each in (height, missing)
+        )
+        np.testing.assert_array_equal(found.c, other.c)
+        assert found.report == other.report

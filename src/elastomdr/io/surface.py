@@ -512,7 +512,7 @@ def without_dropouts(height: np.ndarray) -> tuple[np.ndarray, list[str]]:
     Raises `InputError` where more than a quarter are codes, or more than 2 % spikes.
     """
     codes: dict[float, int] = {}
-    left = np.array(height, dtype=np.float64)
+    left = np.where(np.isfinite(height), height, np.nan)
     _take_codes(left, codes)
     largest = _take_spikes(left)
     if largest:
