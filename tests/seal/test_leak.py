@@ -435,8 +435,23 @@ def test_lay_and_skewness_are_in_the_bound_and_said():
         assert word in found.summary()
         assert "read from a file" in found.summary()
     # beyond what was tried, and where channels across may be closed
-    assert np.isnan(em.leak(RUBBER, measured(8.0), **LIGHT).model_error)
-    assert np.isnan(em.leak(RUBBER, measured(skewness=1.5), **LIGHT).model_error)
+    for surface, word in (
+        (measured(8.0), "a lay, along which"),
+        (measured(skewness=1.5), "heights of skewness 1.50"),
+    ):
+        found = em.leak(RUBBER, surface, **LIGHT)
+        assert np.isnan(found.model_error)
+        (doubt,) = found.doubts
+        assert doubt.kind == "no prediction"
+        assert word in doubt.says
+        assert doubt.remedy
+    # a factor of ten thousand and more tells nothing
+    pressure = np.geomspace(1e5, 3e5, 99)
+    harder = em.leak(RUBBER, measured(skewness=0.99), **{**LIGHT, "pressure": pressure})
+    finite = np.isfinite(harder.model_error)
+    assert finite[0]
+    assert np.isnan(harder.model_error).any()
+    assert (harder.model_error[finite] < 1e4).all()
     closed = em.leak(RUBBER, measured(4.0), **{**LIGHT, "pressure": 2e5})
     assert closed.model_error == np.inf
     with jax.enable_x64(True):

@@ -39,7 +39,7 @@ from ..surface.lay import lay_of
 from ..surface.spectrum import AbstractSpectrum, rough_map
 from ..surface.topography import skewness_of
 from .channels import Channels, GapFlow, RoughSeal, no_derivatives
-from .leak_form import of_heights, of_skewness
+from .leak_form import of_heights, of_skewness, off_by
 
 _LEAST = -200.0  # log of w over the largest flow: below it a medium is closed
 
@@ -355,9 +355,7 @@ class MappedChannels(Channels):
             area=area.mean(0).reshape(shape),
             error=error.reshape(shape),
             # maps are Gaussian, and a lay makes both axes differ
-            model_error=np.expm1(of_surface).reshape(shape)
-            if of_surface.any()
-            else None,
+            model_error=off_by(of_surface).reshape(shape) if of_surface.any() else None,
             good=good.reshape(shape),
             said="Reynolds' equation on gaps in three dimensions (no reduction)",
             work=work,

@@ -42,7 +42,7 @@ from ..errors import InputError, amount
 from ..material.validity import material_in_words
 from ..models import Model, as_model, named, seeds_of
 from ..results.base import WIDE, Array, Result, quantity, record, setting
-from ..results.doubts import Doubt, carried
+from ..results.doubts import Doubt, Kind, carried
 from ..results.words import (
     brief,
     given_in_words,
@@ -400,7 +400,7 @@ def leak(
         all of these have a real contact of 0.38 or more, at which channels may as well be
         closed, NaN for the theories. Lay and skewness of a measured surface, which the
         model does not know, are in the bound, up to a Peklenik number of 5 and a skewness
-        of 1, beyond which it is NaN.
+        of 1, beyond which it is NaN, as where it is ten thousand or more.
 
     Raises:
         InputError: for values that are not positive, a pressure drop that is not below
@@ -749,16 +749,31 @@ def _heights_in_words(pressed: PressedSeal) -> list[str]:
 def _judge(
     pressed: PressedSeal, model_error: Array | None, good: Array
 ) -> tuple[Doubt, ...]:
-    """Where the bound is wide, of a surface whose lay or skewness is a part of it."""
+    """Where the bound is wide, or not known, of a surface whose lay or skewness is why."""
     remarks = _heights_in_words(pressed)
     if not remarks or model_error is None:
         return ()
-    says = "; ".join(
-        ["have a bound on the model above half of the leak rate", *remarks]
-    )
     remedy = "a measured leak, or a surface without lay and with Gaussian heights"
-    wide = stop_gradient((model_error > WIDE) & good)
-    return (Doubt("bound", wide, says, remedy),)
+    cases: list[tuple[Kind, Array, str]] = [
+        ("bound", model_error > WIDE, "a bound on the model above half of")
+    ]
+    # theories have none for any heights, and maps none with softening
+    of_maps = isinstance(pressed.model, MappedChannels)
+    if isinstance(pressed.model, FittedChannels) or (
+        of_maps and pressed.rough.softening is None
+    ):
+        cases.append(
+            ("no prediction", xp.isnan(model_error), "no bound on the model for")
+        )
+    return tuple(
+        Doubt(
+            kind,
+            stop_gradient(points & good),
+            "; ".join([f"have {words} the leak rate", *remarks]),
+            remedy,
+        )
+        for kind, points, words in cases
+    )
 
 
 def bodies_in_words(

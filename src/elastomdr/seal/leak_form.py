@@ -64,6 +64,7 @@ _ACROSS = 1e-6  # cos^2 of a direction to the lay that is across it
 _ALONG = 1.05, 6.5  # of the flow along a lay alone
 _EARLIER = 1.15  # power of the Peklenik number with which channels close earlier
 _SKEWED, _MOST_SKEWED = (1.7, 3.2), 1.0
+_MOST_LOG = np.log(1e4)  # of a finite bound that still tells something
 _WORN = 0.4  # by how much less contact closes channels, over the skewness
 
 
@@ -163,6 +164,14 @@ def of_heights(
     return log + of_skewness(skewness, area) if skewness else log
 
 
+def off_by(log: Array) -> Any:
+    """By what a logarithm bounds a rate, over that; NaN from a factor of ten thousand on,
+    which tells nothing, and infinite where channels may as well be closed.
+    """
+    tells = (log < _MOST_LOG) | np.isinf(log)
+    return np.expm1(np.where(tells, log, np.nan))
+
+
 def bound(rough: RoughSeal, area: Array, of_strain: Array | float = 0.0) -> Any:
     """w is within a factor of 1 + this of three dimensions, for 95 % of the points of
     the maps.
@@ -178,7 +187,7 @@ def bound(rough: RoughSeal, area: Array, of_strain: Array | float = 0.0) -> Any:
         np.log10(np.maximum(x, 1.0))
         for x in (ratio / _RATIOS[1], _RATIOS[0] / ratio, _LEAST / area)
     )
-    return np.expm1(
+    return off_by(
         log_bound(area) * (1 + beyond)
         + of_heights(surface, area, rough.direction)
         + of_strain
