@@ -76,6 +76,8 @@ _PER_TOPS, _PER_SAMPLE = 0.05, 0.25
 # over `MeasuredSurface.flat` of the contact: of mu, and of the real contact, where
 # plateaus may be in contact as a whole
 _PER_FLAT = {False: 0.2, True: 1.0}
+_PER_UNLIKE = 0.2  # over `MeasuredSurface.unlike` of the contact
+_LACKING = 0.1  # from which part of mu on waves left out are a doubt of their own
 # |ln(mu/mu_3D)| that a lay adds, over ln g and sqrt(-ln A): benchmarks/anisotropic.py
 _PER_LAY = 0.12
 _LAY_ERRORS = 2.0  # standard errors of a Peklenik number that a bound holds
@@ -394,13 +396,15 @@ def _judge(
     area, reduced = answer.hot.area, answer.reduced.ravel()
     foundation, surface = answer.problem[:2]
     wide, unknown = bound > WIDE * mu, np.isnan(bound) & np.isfinite(mu)
+    of_waves = np.expm1(_of_left_out(surface, area))
+    lacking = (of_waves > _LACKING) & np.isfinite(bound) & ~wide
     if (told := where(curve.marks, "no prediction")) is not None:
         unknown &= ~np.ravel(told)
     widths = (
         (strained.of_mu, _WIDE_BY_STRAIN),
         (mu * np.expm1(_of_tops(model, surface, area)), _wide_by_tops(model)),
         (mu * np.expm1(_of_lay(surface, area)), _WIDE_BY_LAY),
-        (mu * np.expm1(_of_left_out(surface, area)), _WIDE_BY_END),
+        (mu * of_waves, _WIDE_BY_END),
         (
             turned.of_mu,
             _WIDE_BY_ERROR if curve.direction is not None else _WIDE_BY_MEAN,
@@ -410,12 +414,19 @@ def _judge(
     cases: tuple[tuple[Kind, np.ndarray, str], ...] = (
         ("no prediction", unknown, "no bound on the model for"),
         ("bound", wide, "a bound on the model above half of"),
+        (
+            "bound",
+            lacking,
+            f"left out waves of the map worth {_LACKING:.0%} or more of",
+        ),
     )
     doubts = []
     for kind, points, words in cases:
         if not points.any():
             continue
-        reasons = model.why_wide(foundation, surface, reduced[points], area[points])
+        reasons = []
+        if points is not lacking:
+            reasons = model.why_wide(foundation, surface, reduced[points], area[points])
         for width, reason in widths:
             share = np.broadcast_to(width, wide.shape)[points] / bound[points]
             if (share > _NAMED).any():
@@ -925,10 +936,10 @@ def _of_tops(
     sample = getattr(surface, "skewness_error", 0.0)
     follows = _PER_TOP[model.follows_tops]
     whole = follows * at_contact + _PER_TOPS * at_all + _PER_SAMPLE * sample
-    flat = getattr(surface, "flat", None)
-    if flat is None:
-        return whole
-    return whole + _PER_FLAT[of_area] * xp.maximum(top_slope(flat, area), 0.0)
+    for name, times in (("flat", _PER_FLAT[of_area]), ("unlike", _PER_UNLIKE)):
+        if (more := getattr(surface, name, None)) is not None:
+            whole = whole + times * xp.maximum(top_slope(more, area), 0.0)
+    return whole
 
 
 def _of_left_out(

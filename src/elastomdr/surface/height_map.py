@@ -133,31 +133,38 @@ def _on_grid(waves: np.ndarray, cells: tuple[int, int]) -> np.ndarray:
 
 
 def top_slopes(
-    height: np.ndarray, steps: tuple[float, ...], error: float
-) -> tuple[np.ndarray, np.ndarray]:
+    height: np.ndarray, long: np.ndarray, steps: tuple[float, ...], error: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The logarithm of the rms slope of the highest part of a map or profile over that
     of all of it, at the shares `_PLACES`; that of the least share that holds enough of
     the surface below it. `error` is the standard error of the skewness.
 
     And by how much it exceeds that of the part's mean height above its lowest point,
     over that of Gaussian heights: 0 but where summits are plateaus, whose edges have the
-    slopes.
+    slopes. And how far the slopes of its `long` waves, and of the others, are from that
+    logarithm: 0 where the tops have the waves of all of it, steeper or flatter.
     """
     from scipy.special import ndtri
 
-    slopes = np.reshape(np.gradient(height, *steps), (height.ndim, -1))
+    slopes = [
+        np.reshape(np.gradient(waves, *steps), (height.ndim, -1))
+        for waves in (height, long, height - long)
+    ]
     order = np.argsort(-height, axis=None, kind="stable")
-    square, down = (slopes**2).sum(0)[order], height.ravel()[order]
+    squares, down = np.square(slopes).sum(1)[:, order], height.ravel()[order]
     shares = np.maximum(np.exp(-(_PLACES**2)), min(_LEAST_SHARE * error**2, 1.0))
-    count = np.maximum(shares * square.size, _FEWEST).astype(int)
-    means = np.cumsum([square, down], axis=1)[:, count - 1] / count
-    log = 0.5 * np.log(np.maximum(means[0] / square.mean(), _FLATTEST**2))
-    part = count / square.size
+    count = np.maximum(shares * down.size, _FEWEST).astype(int)
+    means = np.cumsum([*squares, down], axis=1)[:, count - 1] / count
+    ratios = (means[:-1].T / squares.mean(axis=1)).T
+    log, *by_part = 0.5 * np.log(np.maximum(ratios, _FLATTEST**2))
+    # a part that the tops lack does no more by lacking even more
+    unlike = np.sqrt(np.mean(np.clip(by_part - log, -1.0, 1.0) ** 2, axis=0))
+    part = count / down.size
     level = ndtri(1 - np.minimum(part, _NEARLY_ALL))
     usual = np.exp(-(level**2) / 2) / np.sqrt(2 * np.pi) / part - level
-    above = (means[1] - down[count - 1]) / (height.std() * usual)
+    above = (means[-1] - down[count - 1]) / (height.std() * usual)
     flat = np.maximum(log - np.log(np.maximum(above, _FLATTEST)), 0.0)
-    return log, np.where(part < _NEARLY_ALL, flat, 0.0)
+    return log, np.where(part < _NEARLY_ALL, flat, 0.0), unlike
 
 
 def top_slope(tops: Array, area: Array) -> Any:

@@ -215,7 +215,7 @@ def surface(
     lay, sentences = _directions(parts, fit)
     finest = max(parts, key=lambda part: part.highest)
     wide = [x for x in parts if x.waves.first <= _ALIKE * widest.waves.first]
-    tops, flat = np.mean([_tops(part, joined.error) for part in wide], axis=0)
+    tops, flat, unlike = np.mean([_tops(part, joined.error) for part in wide], axis=0)
     spectrum = Spectrum(fit.q, fit.c, convention="2d")
     cut = shortest is not None or finest.limit.noisy
     report += sentences
@@ -232,22 +232,33 @@ def surface(
         map=_only_map(parts, shortest is not None),
         tops=tops,
         flat=flat,
+        unlike=unlike,
         left_out=_left_out(finest, spectrum, cut),
     )
 
 
-def _tops(part: _Part, error: float) -> tuple[np.ndarray, np.ndarray]:
+def _tops(part: _Part, error: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """`top_slopes` of the waves of a scan that the spectrum has, whose skewness has a
     standard error; they fade out about its end, since a sharp one puts ripples on
-    summits that are flat.
+    summits that are flat. Long waves are those that have half of its mean square slope.
     """
     height, _ = _without_outliers(part.scan.height)
     spread = np.fft.rfftn(height)
-    past = part.waves.q.reshape(spread.shape) / part.highest - 1
-    kept = 0.5 - 0.5 * np.sin(np.pi / 2 * np.clip(past / _FADE, -1, 1))
-    axes = tuple(range(height.ndim))
-    height = np.fft.irfftn(spread * kept, s=height.shape, axes=axes)
-    return top_slopes(height, part.scan.steps, error)
+    q = part.waves.q.reshape(spread.shape)
+
+    def up_to(end: float) -> np.ndarray:
+        kept = 0.5 - 0.5 * np.sin(np.pi / 2 * np.clip((q / end - 1) / _FADE, -1, 1))
+        return spread * kept
+
+    def heights(waves: np.ndarray) -> np.ndarray:
+        axes = tuple(range(height.ndim))
+        return np.fft.irfftn(waves, s=height.shape, axes=axes)
+
+    waves, order = up_to(part.highest), np.argsort(q, axis=None)
+    steep = np.cumsum(np.abs(q * waves).ravel()[order] ** 2)
+    half = q.ravel()[order][np.searchsorted(steep, steep[-1] / 2)]
+    long = heights(up_to(float(half)))
+    return top_slopes(heights(waves), long, part.scan.steps, error)
 
 
 def _between(
@@ -856,6 +867,7 @@ class MeasuredSurface(AbstractSpectrum):
     # `top_slopes` of the heights; those of Gaussian ones are zero
     tops: Float[np.ndarray, " shares"] | None = None
     flat: Float[np.ndarray, " shares"] | None = None
+    unlike: Float[np.ndarray, " shares"] | None = None
     # ln of the rms slope of all waves of the data over that of the spectrum
     left_out: Scalar = 0.0
     label: ClassVar[str] = "measured surface"
@@ -895,12 +907,13 @@ class MeasuredSurface(AbstractSpectrum):
         if end >= 2 * waves.first:  # else too few waves to know any skewness
             skewness, error, _ = _asymmetry(scan, waves, end)
         part = _Part(scan, waves, _Limit(end), end, "")
-        tops, flat = _tops(part, error)
+        tops, flat, unlike = _tops(part, error)
         return dataclasses.replace(
             shortened,
             map=self.map.ended(end),
             tops=tops,
             flat=flat,
+            unlike=unlike,
             left_out=_left_out(part, shortened, True),
             skewness=skewness,
             skewness_error=error,
