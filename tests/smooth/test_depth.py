@@ -2,6 +2,8 @@
 every verb says so, and whatever is made from its numbers.
 """
 
+import warnings
+
 import jax
 import numpy as np
 import pytest
@@ -124,3 +126,20 @@ def test_under_jit_the_mask_is_that_of_the_plain_call():
         return doubt.points
 
     np.testing.assert_array_equal(jax.jit(deep)(depth), [False, True])
+
+
+@pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-3, 1e-6])
+def test_a_load_near_the_end_of_a_ball_is_solved_to_any_tolerance(rtol):
+    """Contacts in slow directions reach near the equator, where the profile is
+    steep.
+    """
+    rubber = em.Prony(7e5, [2.3e6, 5e6, 3e7, 9e7], [0.3, 4e-3, 2e-5, 1e-7])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", em.ModelWarning)
+        mu, mean = (
+            em.friction(rubber, em.Sphere(7e-3), velocity=0.1, load=400.0, rtol=r).mu
+            for r in (rtol, 1e-7)
+        )
+        roll = em.rolling(rubber, em.Sphere(7e-3), velocity=0.1, load=400.0, rtol=rtol)
+    assert abs(mu / mean - 1) < rtol
+    assert roll.converged

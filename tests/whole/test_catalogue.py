@@ -11,7 +11,10 @@ from elastomdr.cli.units import shown
 from elastomdr.results.doubts import KINDS
 
 DOUBTS = {
-    "not converged": "did not converge and are NaN",
+    "not converged": (
+        "did not converge and are NaN; surer: what the ConvergenceWarning beside them "
+        "names"
+    ),
     "no prediction": (
         "have no bound on the model; surer: a measured value to compare with"
     ),

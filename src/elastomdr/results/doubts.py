@@ -36,7 +36,9 @@ class _Usual(NamedTuple):
 
 
 _USUAL: dict[Kind, _Usual] = {
-    "not converged": _Usual("did not converge and are NaN", ""),
+    "not converged": _Usual(
+        "did not converge and are NaN", "what the ConvergenceWarning beside them names"
+    ),
     "no prediction": _Usual(
         "have no bound on the model",
         "a measured value to compare with",

@@ -590,7 +590,7 @@ def _say(
     """Warns of points that failed, and of a cylinder that is too short to be plane."""
     if not contacts.good.all():
         thick = body.whole if isinstance(body, Layer) else np.inf
-        small = nearly(contacts.good, contacts.error, contacts.mu)
+        small = nearly(contacts.good, contacts.error, contacts.mu, rtol)
         reasons = too_deep(sunk, thick), small
         why = " ".join(filter(None, reasons))
         warn_unless(contacts.good, "points", f" to rtol={rtol:g}", why)

@@ -54,6 +54,7 @@ _STEPS = 15
 _TABLES = 3  # how often panels are laid out anew,
 _MOVED = 0.05  # where the contact has grown or shrunk by as much
 _CLOSE = 1e-7  # the length of its last step, squared by it
+_STEEP = 0.1  # distance of a first guess at log A from the end of the body
 _GUESSED = 0.1  # by how much a guess at log A is improved at the last
 _TIGHT = 1e-9  # step at which the searches stop
 
@@ -255,6 +256,8 @@ def _edges(p: Passage, control: Control, value: Array) -> _Edges:
         )
         if p.rule.parabola and converged.all():
             return _Edges(p, np.exp(log_size), ratio, converged)
+        # the end of a ball is infinitely steep, and a search does not get away from it
+        log_size = log_size if by_depth else np.minimum(log_size, top - _STEEP)
     converged = np.zeros(value.shape, bool)
     for _ in range(_TABLES):
         p, before = tabulated(p, np.exp(log_size)), log_size

@@ -332,8 +332,10 @@ def solve(scene: SmoothScene) -> Steady:
     traced = scene.points.traced
     good = result.line.converged
     if not traced and not good.all():
-        why = _sunk(scene) if result.sunk else nearly(good, result.error, result.mu)
-        warn_unless(good, "points", f" to rtol={scene.plan.rtol:g}", why)
+        rtol = scene.plan.rtol
+        why = nearly(good, result.error, result.mu, rtol)
+        why = _sunk(scene) if result.sunk else why
+        warn_unless(good, "points", f" to rtol={rtol:g}", why)
     springs = scene.foundation.per_area or isinstance(scene.lines.shape, Cylinder)
     bare = not scene.plan.averaged and not springs
     bound, line = BARE_LINE * result.mu if bare else 0.0, result.line
@@ -371,15 +373,16 @@ def in_no_unit(foundation: Foundation, shape: object) -> bool:
     return foundation.per_area is None and isinstance(shape, Cylinder)
 
 
-def nearly(good: Array, error: Array, mu: Array) -> str:
-    """What a larger rtol would help, if the points that failed have small errors."""
+def nearly(good: Array, error: Array, mu: Array, rtol: float) -> str:
+    """Why points failed: errors that a larger rtol would accept, or a search."""
     missed = (error / mu)[~good & (mu > 0)]
-    if not missed.size or not missed.max() < 0.1:
-        return ""
-    return (
-        f"Their estimated errors are up to {missed.max():.1e} of mu, so a larger rtol "
-        "would accept them."
-    )
+    missed = missed[np.isfinite(missed)]
+    if missed.size and rtol < missed.max() < 0.1:
+        return (
+            f"Their estimated errors are up to {missed.max():.1e} of mu, so a larger "
+            "rtol would accept them."
+        )
+    return "Their contact was not found." if np.any(missed <= rtol) else ""
 
 
 def too_deep(sunk: Array, thick: Array | float) -> str:

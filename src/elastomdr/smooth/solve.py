@@ -395,7 +395,8 @@ def _solve(sweep: _Sweep, control: Control, value: Array, velocity: Array) -> Pa
         return march_passages(law, lines, control, value, velocity, max(wanted, 1e-9))
     passages = _in_batches(law, lines, plan.rules[0], control, value, velocity)
     for finer in plan.rules[1:]:
-        left = passages.converged & ~(passages.error <= wanted * passages.mu)
+        # a coarse rule may show no trailing edge near the end of a ball
+        left = ~(passages.converged & (passages.error <= wanted * passages.mu))
         if not np.any(left):
             break
         _put(
