@@ -237,3 +237,20 @@ def test_heights_that_are_not_gaussian_are_a_doubt():
     assert "not Gaussian" in doubt.says
     assert doubt.points.all()
     assert "Gaussian" not in str(em.press(RUBBER, SURFACE, **at).doubts)
+
+
+def test_what_lies_under_a_rough_surface_is_said_alike():
+    """A layer's rubber alone, by friction and press; a table as it was given."""
+    rubber = em.Prony(1e6, [3e6], [0.1])
+    layer = em.layer(rubber, 1e-2)
+    with refused("material", "rubber alone"):
+        em.friction(layer, SURFACE, velocity=1.0, pressure=1e5)
+    with refused("material", "rubber alone"):
+        em.press(layer, SURFACE, pressure=1e5)
+    with refused("material", "rubber alone"):
+        em.friction(layer, LINE, velocity=1.0, pressure=1e5, model=WIDE)
+    omega = np.logspace(-2, 6, 60)
+    modulus = rubber.complex_modulus(omega)
+    table = em.TabulatedModulus(omega, modulus.real, modulus.imag)
+    with refused("material", "TabulatedModulus", "em.fit.prony"):
+        em.press(table, SURFACE, pressure=1e5, velocity=1.0)

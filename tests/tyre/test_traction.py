@@ -409,7 +409,7 @@ def test_bad_scenes():
         em.traction(
             RUBBER, em.Cone(0.1), velocity=1.0, creepage=0.1, friction=0.5, load=1.0
         )
-    with pytest.raises(em.InputError, match="must be elastic"):
+    with refused("material", "em.layer", "elastic"):
         em.traction(
             RUBBER,
             em.Cylinder(R, 1.0),

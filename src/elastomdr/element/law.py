@@ -304,10 +304,23 @@ def surface_foundation(material: object) -> Foundation | TabulatedFoundation:
     """
     if isinstance(material, TabulatedFoundation):
         return material
+    if type(material).__name__ == "Layer":
+        raise not_flat(material)
     return (
         half_space(material)
         if isinstance(material, TabulatedModulus)
         else as_foundation(material)
+    )
+
+
+def not_flat(material: object) -> InputError:
+    """What is said of a layer under a rough surface."""
+    return InputError(
+        argument="material",
+        got=material,
+        accepted="a half-space under a rough surface, whose waves are far shorter "
+        "than a layer is thick",
+        hint="give its rubber alone",
     )
 
 
@@ -326,8 +339,9 @@ def as_foundation(material: object) -> Foundation:
             argument="material",
             got=material,
             accepted="a half-space or independent springs here",
-            hint="em.springs(material, thickness) is for a contact much wider than "
-            "the layer is thick, em.half_space for one much narrower",
+            hint="em.springs(material, thickness), bonded=False where incompressible, "
+            "is for a contact much wider than the layer is thick, the rubber alone for "
+            "one much narrower and under rough lines",
         )
     raise InputError(
         argument="material",

@@ -174,7 +174,7 @@ def _check(
     """The half-space and the model. Raises `InputError`."""
     if not is_rough(surface):
         raise not_rough(surface)
-    foundation = resting_body(material, time)
+    foundation = resting_body(material, time, velocity)
     chosen = of_line(_USUAL if model is None else model, "press")
     if chosen.average:
         raise InputError(

@@ -16,8 +16,7 @@ from ..call.extrapolation import (
 )
 from ..call.problem import Asked, check_carries
 from ..checks import is_traced
-from ..element.law import surface_foundation
-from ..element.layer import Layer
+from ..element.law import not_flat, surface_foundation
 from ..errors import InputError
 from ..material.shift import thermal_factors
 from ..material.tabulated import needs_series
@@ -53,19 +52,19 @@ class RoughCall:
     branch: Branch = "cold"  # of several steady states with heat
 
 
-def resting_body(material: Material, time: ArrayLike | None) -> SteadyBody:
-    """The half-space of rubber that rests on a rough surface. Raises `InputError`."""
+def resting_body(
+    material: Material, time: ArrayLike | None, velocity: ArrayLike | None = None
+) -> SteadyBody:
+    """The half-space of rubber that rests on a rough surface, or slides over its lines.
+    Raises `InputError`.
+    """
     if time is not None:
         needs_series("material", material, "rubber that is held for a time")
-    foundation = None if isinstance(material, Layer) else surface_foundation(material)
-    if foundation is None or foundation.per_area:
-        raise InputError(
-            argument="material",
-            got=material,
-            accepted="a half-space under a rough surface, whose waves are far shorter "
-            "than a layer is thick",
-            hint="give its rubber alone",
-        )
+    if velocity is not None:
+        needs_series("material", material, "rubber that slides over lines")
+    foundation = surface_foundation(material)
+    if foundation.per_area:
+        raise not_flat(material)
     if time is None:
         check_carries(foundation)
     return foundation

@@ -774,9 +774,9 @@ def _checked_half_plane(
         raise InputError(
             argument="material",
             got=foundation,
-            accepted="elastic for a cylinder on a half-space (Carter's problem), or "
-            "a layer (em.springs)",
-            hint="a viscoelastic half-plane is no MDR problem",
+            accepted="an em.layer, or elastic for a cylinder on a half-space (Carter's "
+            "problem)",
+            hint="em.layer(material, thickness) rolls with the losses of its rubber",
         )
     load = as_float64("load", scene.load)
     positive("load", load)
