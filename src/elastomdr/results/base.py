@@ -756,8 +756,11 @@ class Result(WithTable):
     def _sure(self, i: int) -> str:
         """How sure the value of a point is, or else those of all points."""
         error, bound = np.asarray(self.error), getattr(self, "model_error", None)
-        most = significant(float(np.fmax.reduce(error, axis=None)), 2)
-        said = f"error of the computation of {self.error_of}: at most {most}"
+        if np.all(error == 0):
+            said = "no error of the computation"
+        else:
+            most = self._with_unit("error", np.fmax.reduce(error, axis=None), 2)
+            said = f"error of the computation of {self.error_of}: at most {most}"
         if bound is None:
             return said
         if not np.isfinite(bound).any():
@@ -766,7 +769,17 @@ class Result(WithTable):
             return f"{said}; the model is exact"
         if self.relative_bound:
             return f"{said}; bound on the model: {span(100 * bound, '%')} of the value"
-        return f"{said}; bound on the model: {span(bound)}"
+        unit = self._unit("model_error")
+        of = "bound on the model" if unit else "bound on the model, absolute"
+        return f"{said}; {of}: {span(bound, unit)}"
+
+    def _unit(self, path: str) -> str:
+        """The unit of a field, "" where it has none."""
+        unit = next(q.unit for q in self.quantities() if q.path == path)
+        return "" if unit == "-" else unit
+
+    def _with_unit(self, path: str, value: Array, digits: int) -> str:
+        return f"{significant(float(value), digits)} {self._unit(path)}".strip()
 
     def _rests_on(self) -> Iterator[str]:
         """Material and model, in short."""
@@ -855,11 +868,9 @@ class Result(WithTable):
             f"{f'{failed} did not converge' if failed else 'all converged'}{also}"
         )
         if np.isfinite(error).any():
-            unit = next(q.unit for q in self.quantities() if q.path == "error")
-            largest = significant(float(np.fmax.reduce(error, axis=None)), 2)
+            largest = self._with_unit("error", np.fmax.reduce(error, axis=None), 2)
             sentence += (
-                f"; error of the computation of {self.error_of}, at most: "
-                f"{largest}{'' if unit == '-' else f' {unit}'}"
+                f"; error of the computation of {self.error_of}, at most: {largest}"
             )
         return sentence
 
