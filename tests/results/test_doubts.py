@@ -713,3 +713,11 @@ def test_a_seal_has_the_doubts_of_its_ring():
         )
     for made in (leak, rod):
         assert said <= {doubt.says for doubt in made.doubts}
+
+
+def test_where_no_bound_is_known_something_would_help():
+    """Of a result that names no reason of its own, too."""
+    bare = dataclasses.replace(no_prediction(), marks=())
+    (doubt,) = (each for each in bare.doubts if each.kind == "no prediction")
+    assert doubt.remedy
+    assert doubt.says.endswith("none was established there")

@@ -532,7 +532,8 @@ class Result(WithTable):
         told = where(self.marks, "no prediction")
         if told is not None:
             unknown = xp.logical_and(unknown, xp.logical_not(told))
-        yield Doubt("no prediction", unknown, f"have no bound on the model for {of}")
+        says = f"have no bound on the model for {of}: none was established there"
+        yield Doubt("no prediction", unknown, says, "a measured value to compare with")
         if not any(doubt.kind == "bound" for doubt in self.marks):
             half = WIDE * (1.0 if self.relative_bound else xp.abs(size))
             wide = xp.logical_and(bound > half, converged)

@@ -112,8 +112,9 @@ def press(
 
     Returns:
         An `em.RoughContact`. `error` is twice the standard error over the lines, NaN
-        for a single one. `model_error` is NaN outside the range of loads and cutoffs in
-        which lines were compared with three dimensions, on measured surfaces, and of a
+        for a single one. In full contact the gap is closed, and stiffness and
+        conductance are infinite. `model_error` is NaN outside the range of loads and
+        cutoffs in which lines were compared with three dimensions, on measured surfaces, and of a
         material with a softening. Of this the contact on a surface by its spectrum has
         the level of E* with which its area is that of `em.leak` and `em.break_out`,
         where each length scale has its own; on a line it is left out.
