@@ -720,4 +720,3 @@ def test_where_no_bound_is_known_something_would_help():
     bare = dataclasses.replace(no_prediction(), marks=())
     (doubt,) = (each for each in bare.doubts if each.kind == "no prediction")
     assert doubt.remedy
-    assert doubt.says.endswith("none was established there")

@@ -377,12 +377,11 @@ def nearly(good: Array, error: Array, mu: Array, rtol: float) -> str:
     """Why points failed: errors that a larger rtol would accept, or a search."""
     missed = (error / mu)[~good & (mu > 0)]
     missed = missed[np.isfinite(missed)]
-    if missed.size and rtol < missed.max() < 0.1:
-        return (
-            f"Their estimated errors are up to {missed.max():.1e} of mu, so a larger "
-            "rtol would accept them."
-        )
-    return "Their contact was not found." if np.any(missed <= rtol) else ""
+    if not missed.size or not missed.max() < 0.1:
+        return ""
+    larger = "so a larger rtol would accept them"
+    why = larger if missed.max() > rtol else "but some contact was not found"
+    return f"Their estimated errors are up to {missed.max():.1e} of mu, {why}."
 
 
 def too_deep(sunk: Array, thick: Array | float) -> str:
