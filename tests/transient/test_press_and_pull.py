@@ -363,10 +363,14 @@ def test_bound_of_a_load_that_does_not_pull_off():
     assert np.isnan(found.pull_off.force)
     assert np.isnan(found.loop_energy)
     assert (found.model_error == 0.1).all()
-    (doubt,) = found.doubts
-    assert doubt.kind == "estimate"
-    assert "pull_off" in doubt.says
-    assert np.flatnonzero(doubt.points).tolist() == [load.size - 1]
+    stays, energies = found.doubts
+    assert "pull_off" in stays.says
+    assert "stored" in energies.says
+    for doubt in (stays, energies):
+        assert doubt.kind == "estimate"
+        assert np.flatnonzero(doubt.points).tolist() == [load.size - 1]
+    assert np.isnan(found.stored).all()
+    assert np.isnan(found.locked).all()
 
 
 @pytest.mark.parametrize("law", [ELASTIC, RUBBER], ids=["elastic", "rubber"])
@@ -385,6 +389,58 @@ def test_only_histories_that_end_in_contact_have_no_pull_off(law):
     assert (found.force[2] == 0).all()
     (doubt,) = (d for d in found.doubts if "pull_off" in d.says)
     assert np.argwhere(doubt.points).tolist() == [[0, 2]]
+    assert (found.model_error[2] == 0).all()
+    for doubt in found.doubts:
+        assert not np.asarray(doubt.points)[2].any()
+
+
+def test_pull_off_depends_on_the_instants_within_its_error():
+    """A fast withdrawal: 16 to 301 instants differed by 10 %."""
+    top = 30 * SCALE
+    pulls, errors = [], []
+    for instants in (16, 61, 301):
+        time = np.linspace(0, 3, instants)
+        depth = np.interp(time, [0, 2, 3], [0, top, -top])
+        found = em.indent(RUBBER, BALL, time=time, depth=depth, adhesion=CUTOFF)
+        pulls.append(float(found.pull_off.force))
+        errors.append(float(found.pull_off.error))
+        assert found.converged.all()
+        assert found.jump_in.error < 0.03
+        assert "pull-off" in found.summary()
+        assert "pull-off" in dict(found.headline())["peak"]
+    assert max(errors) < 0.03
+    assert np.ptp(pulls) < 0.01 * abs(np.mean(pulls))
+
+
+def test_where_the_rubber_is_met_does_not_depend_on_the_instants():
+    time = np.linspace(0, 12, 7)
+    depth = np.interp(time, [0, 6, 12], [-5 * SCALE, 7 * SCALE, -12 * SCALE])
+    found = em.indent(RUBBER, BALL, time=time, depth=depth, adhesion=CUTOFF)
+    assert np.isclose(found.jump_in.time, 2.5, atol=1e-3)
+    assert np.isclose(found.jump_in.force, -4 / 3 * np.pi * WORK * RADIUS, rtol=0.03)
+
+
+@pytest.mark.parametrize("adhesion", [1e-9, em.Adhesion(1e-8, cutoff=1e-8)])
+def test_adhesion_too_weak_for_the_elements_has_no_pull_off(adhesion):
+    depth = np.array([0.0, 2e-4, -3e-4])
+    found = em.indent(
+        RUBBER, BALL, time=[0.0, 2.0, 3.0], depth=depth, adhesion=adhesion
+    )
+    assert found.converged.all()
+    for event in (found.pull_off, found.jump_in):
+        assert np.isnan([event.time, event.depth, event.force, event.radius]).all()
+        assert event.error > 0.1
+    (doubt,) = (d for d in found.doubts if "pull_off" in d.says)
+    assert np.flatnonzero(doubt.points).tolist() == [2]
+
+
+def test_a_step_of_depth_at_the_first_instant_is_glassy_jkr():
+    """Marched with half as many steps, too."""
+    found = em.indent(
+        RUBBER, BALL, time=[0.0, 1.0], depth=[9 * SCALE, 9 * SCALE], adhesion=WORK
+    )
+    assert found.converged.all()
+    assert (found.error < 0.03).all()
 
 
 @pytest.mark.filterwarnings("ignore:.*comes off too near")  # of the closer instants

@@ -75,12 +75,15 @@ class Adhesive(NamedTuple):
 
 
 class Event(NamedTuple):
-    """Where and when a contact begins or breaks."""
+    """Where and when a contact begins or breaks; NaN where it does not, and but for
+    the error where that is too large.
+    """
 
     time: Array
     depth: Array
     force: Array
     radius: Array
+    error: Array  # of the force, relative
 
 
 class AdhesiveEdge(NamedTuple):

@@ -35,7 +35,7 @@ from ..material.relaxation import Relaxation
 from ..material.validity import material_in_words
 from ..results.base import Array, part, quantity, record
 from ..results.doubts import Doubt
-from ..results.words import brief, describe, in_words
+from ..results.words import brief, describe, in_words, span
 from ..surface.disc import Disc
 from ..surface.shapes import AbstractShape, Cylinder, Paraboloid, PowerLaw, Sphere
 from .adhesive_contact import Adhesion, AdhesiveEdge
@@ -61,6 +61,7 @@ if TYPE_CHECKING:
 _SHOWN = 4  # histories that a summary lists one by one
 # relative error from which a number is not handed out under a transformation either
 _WORST = 0.1
+_EVENT = 0.03  # of the force at an event, from which on that is a doubt
 HALF_SPACE = (
     "MDR line (exact for the half-space: normal contact, small slopes, no friction)"
 )
@@ -86,12 +87,15 @@ FINITE = (
 
 @part
 class AdhesiveEvent:
-    """Where an adhesive contact begins, or where it breaks; NaN where it does not."""
+    """Where an adhesive contact begins, or where it breaks; NaN where it does not, or
+    where its `error` is above a tenth.
+    """
 
     time: Array = quantity("time", "s", dims="")
     depth: Array = quantity("depth", "m", dims="")
     force: Array = quantity("force", "N", dims="")
     radius: Array = quantity("contact radius", "m", dims="")
+    error: Array = quantity("estimated relative error of the force", "-", dims="")
 
 
 @record
@@ -113,7 +117,8 @@ class Indentation(AbstractHistory):
     With adhesion `jump_in` is the first contact, and `pull_off` where an elastic
     contact breaks, of viscoelastic rubber where the body pulled most before it came
     off. `model_error` is that of the pull. `stored`, `locked` and `dissipated` are NaN
-    of viscoelastic rubber, `loop_energy` where the body stays on.
+    of viscoelastic rubber, `loop_energy` where the body stays on, both events where the
+    adhesion is too weak for their `error`, in the force.
 
     `plot` draws depth, force and contact radius against time and the force against
     depth, on axes that are given the last alone; with `ax=None` it returns the first
@@ -214,6 +219,28 @@ class Indentation(AbstractHistory):
             yield name, _in_short({key: value[i] for key, value in rows.items()})
         if len(rows["depth"]) > _SHOWN:
             yield "...", f"and {len(rows['depth']) - _SHOWN} more histories"
+        if said := self._events():
+            yield "adhesion", said
+
+    def headline(self) -> Iterator[tuple[str, str]]:
+        """With what adhesion does."""
+        lines = super().headline()
+        kind, said = next(lines)
+        yield kind, "; ".join(filter(None, (said, self._events())))
+        yield from lines
+
+    def _events(self) -> str:
+        """Jump-in, pull-off and the energy of the loop, in words; "" without any."""
+        if self.jump_in is None or self.pull_off is None or self.loop_energy is None:
+            return ""
+        said = [
+            f"{name} {span(event.force, 'N')} at {span(event.time, 's')}"
+            for name, event in (("jump-in", self.jump_in), ("pull-off", self.pull_off))
+            if np.isfinite(event.time).any()
+        ]
+        if np.isfinite(self.loop_energy).any():
+            said.append(f"loop energy {span(self.loop_energy, 'J')}")
+        return ", ".join(said)
 
 
 @over_materials
@@ -311,7 +338,9 @@ def indent(
         if fast is not None:
             bound = bound._replace(size=np.where(fast, np.nan, bound.size))
     if edge is not None:
-        beyond += (_without_end(edge, solution.radius),)
+        never = xp.isnan(edge.jump_in.error)[..., None]
+        bound = bound._replace(size=xp.where(never, 0.0, bound.size))
+        beyond += tuple(_without_end(edge, solution.stored))
 
     def known(field: Array) -> Any:
         return nan_unless(shown, field)
@@ -598,17 +627,36 @@ def _beyond_table(bonds: Adhesion, solution: Indented) -> tuple[Doubt, ...]:
     return (doubt,)
 
 
-def _without_end(edge: AdhesiveEdge, radius: Array) -> Doubt:
-    """The last instants of histories of which the energy of the loop is not known."""
-    last = np.arange(radius.shape[-1]) == radius.shape[-1] - 1
-    met = xp.isfinite(edge.jump_in.time)
-    return Doubt(
-        "estimate",
-        last & (met & xp.isnan(edge.loop))[..., None],
-        "end a history without `loop_energy`: it ends in contact, so that there is no "
-        "`pull_off`, or its steps are too long",
-        "a history that pulls the body off, at more instants",
-    )
+def _without_end(edge: AdhesiveEdge, stored: Array) -> Iterator[Doubt]:
+    """The last instants of histories of which not all is known."""
+    last = np.arange(stored.shape[-1]) == stored.shape[-1] - 1
+    errors = edge.jump_in.error, edge.pull_off.error
+    met, off = (~xp.isnan(error) for error in errors)
+    for histories, says, remedy in (
+        (
+            met & ~off,
+            "end a history in contact, without `pull_off` and `loop_energy`",
+            "a history that pulls the body off",
+        ),
+        (
+            off & xp.isnan(edge.loop),
+            "end a history in steps too long for `loop_energy`",
+            "more instants",
+        ),
+        (
+            (errors[0] > _EVENT) | (errors[1] > _EVENT),
+            "end a history with a `jump_in` or `pull_off` of an error above "
+            f"{_EVENT:g} (NaN above {_WORST:g})",
+            "more instants, or a body that is pressed less",
+        ),
+        (
+            met & xp.isnan(stored).all(axis=-1),
+            "end a history without `stored`, `locked` and `dissipated`, which are not "
+            "known of rubber that remembers",
+            "",
+        ),
+    ):
+        yield Doubt("estimate", last & histories[..., None], says, remedy)
 
 
 def _check(

@@ -53,9 +53,11 @@ from .adhesive_contact import (
 )
 from .indentation_route import DepthOrLoad, Indented
 
-_HALVINGS = 10  # of a step in which the body comes off
+_HALVINGS = 10  # of a step in which the body meets the rubber, comes off, or nearly
+_LOST = 0.05  # of the radius in a step, at most; twice as much for the error
 _EXACT = 1e-14  # of the largest radius: where an edge is
 _AT_ONCE = 1e-280  # duration of a jump [s]
+_TINY = 1e-300  # force [N]: a load that is zero is known
 _UNKNOWN = (np.nan, np.nan)  # depth and force of a body that a load has pulled off
 _ROUNDING = 1e-14
 _CELLS = 400  # under the widest contact; half as many for the error
@@ -64,6 +66,7 @@ _FAR = 1.1  # over the widest relaxed contact: rubber that was pulled up is met 
 _RESTING = 24  # steps of a rest, in geometric progression
 _ROUNDS = 5  # in which steps are halved
 _RTOL = 0.03  # what a history with memory is held to
+_WORST = 0.1  # error of the force from which it is not known when or how contact breaks
 _SOON = 1e-6  # of a rest: its first step
 _LARGEST = 100.0  # contact [m]
 MEMORY = "elements with all their memory, an edge that moves by its own speed"
@@ -91,6 +94,7 @@ class Cycle:
         # the element at the edge stands last
         self.x = np.append(np.linspace(0, widest, cells + 1), 0.0)
         self.height = np.asarray(disc.profile(self.x))
+        self.least = 1 - _LOST * _CELLS / cells  # of the radius, after a step
         self.u = np.zeros_like(self.x)
         self.f = np.zeros((self.x.size, law.times.size))
         self.touches, self.radius, self.speed = False, 0.0, 0.0
@@ -127,7 +131,9 @@ class Cycle:
         return StickyContact(*map(np.array, state))
 
     def _advance(self, time: float, goal: float, by_depth: bool) -> None:
-        """One step; halved towards the instant at which the body comes off in it."""
+        """One step; halved towards the instant at which the body meets the rubber in it
+        or comes off, and while the edge runs.
+        """
         begin, start = self.time, self.depth if by_depth else self.force
         done, part = 0.0, 1.0
         while done < 1:
@@ -135,19 +141,19 @@ class Cycle:
             duration = part * (time - begin)
             step = _StickyStep(self, duration, start + end * (goal - start), by_depth)
             off = step.edge is None and self.touches
-            if off and part > 2.0**-_HALVINGS:
+            met = step.edge is not None and not self.touches
+            lost = self.touches and (step.edge or 0.0) < self.least * self.radius
+            if (lost or met) and duration > 0 and part > 2.0**-_HALVINGS:
                 part /= 2
                 continue
             if off and np.isnan(self.pull_off.time):
                 self.pull_off = self._most
-            met = step.edge is not None and not self.touches
             step.take()
             self.time, done = begin + end * (time - begin), end
             if met and np.isnan(self.jump_in.time):
                 self.jump_in = self._now()
-            if not self.touches:
-                part = 1 - done
-            elif not self.force >= self._most.force:
+            part = min(2 * part, 1 - done)
+            if self.touches and not self.force >= self._most.force:
                 self._most = self._now()
 
 
@@ -401,8 +407,9 @@ class _History(NamedTuple):
     """One history, (m,)."""
 
     contact: StickyContact
-    jump_in: StickyContact
-    pull_off: StickyContact
+    jump_in: Event
+    pull_off: Event
+    zone_off: float
     error: np.ndarray
     loop: float  # work in all, NaN without a pull-off, or where it depends on steps
 
@@ -428,7 +435,7 @@ def _shaped(found: _Found, shape: tuple[int, ...], rtol: float) -> Indented:
         radius=contact.radius,
         work=contact.work,
         stored=contact.stored,
-        locked=xp.zeros(shape),
+        locked=0 * abs(contact.stored),
         heat=contact.work - contact.stored,
         error=xp.where(known, error, xp.nan),
         converged=known & (error <= rtol),
@@ -465,11 +472,13 @@ def _elastic(
         way = xp.where(found, after - before, 1.0)
         share = (xp.where(rules, *limits) - before) / way
         radius, depth, force = map(xp.where, (rules,) * 3, *edges)
-        row = (start + share * (end - start), depth, force, radius)
+        error = xp.full(found.shape, _ROUNDING)
+        row = (start + share * (end - start), depth, force, radius, error)
         return Event(*(nan_unless(found, one) for one in row))
 
     zero = np.zeros(())
-    at_once = (time, contact.depth, contact.force, contact.radius)
+    exact = xp.full(touches.shape, _ROUNDING)
+    at_once = (time, contact.depth, contact.force, contact.radius, exact)
     with np.errstate(all="ignore"):
         jump_in = crossed(touches[:, 1:] & ~touches[:, :-1], begins, (zero, zero))
         pull_off = crossed(
@@ -498,7 +507,7 @@ def _elastic(
             zone_off=xp.fmax(cutoff / off, xp.nanmax(zone, axis=1, initial=0.0)),
             scale=xp.full(len(touches), -4 / 3 * breaks[0].depth),
         )
-    return _Found(contact, xp.full(touches.shape, _ROUNDING), edge, JKR)
+    return _Found(contact, exact, edge, JKR)
 
 
 @numpy_unless_traced
@@ -522,26 +531,25 @@ def _with_memory(
         _marched(law, disc, bond, widest, *row)
         for row in zip(time, depth, load, by_depth, strict=True)
     ]
-    contact = _stacked([row.contact for row in rows])
-    jump_in = _stacked([row.jump_in for row in rows])
-    pull_off = _stacked([row.pull_off for row in rows])
+    contact, jump_in, pull_off, zone_off, error, loop = tree_map(
+        lambda *each: np.array(each), *rows
+    )
     factor, given = (bond.at(abs(contact.speed), closing=k) for k in (False, True))
     with np.errstate(divide="ignore"):
         zone = bond.cutoff * factor / contact.radius
-    zone_off = bond.cutoff * bond.at(abs(pull_off.speed)) / pull_off.radius
     zone = np.where(contact.radius > 0, zone, np.nan)
     largest = np.nanmax(zone, axis=-1, initial=0.0)  # that of a jump is not known
     nothing = np.full(time.shape, np.nan)
     return _Found(
         Adhesive(contact.depth, contact.force, contact.radius, contact.work, nothing),
-        np.array([row.error for row in rows]),
+        error,
         AdhesiveEdge(
             speed=contact.speed,
             factor=np.where(contact.speed > 0, 1 / given, factor),
             zone=zone,
-            pull_off=Event(*pull_off[:4]),
-            jump_in=Event(*jump_in[:4]),
-            loop=np.array([row.loop for row in rows]),
+            pull_off=pull_off,
+            jump_in=jump_in,
+            loop=loop,
             zone_off=np.where(np.isnan(zone_off), largest, zone_off),
             scale=np.full(len(time), -4 / 3 * _relaxed(law, disc, bond)[1].min()),
         ),
@@ -549,9 +557,11 @@ def _with_memory(
     )
 
 
-def _stacked(contacts: Sequence[StickyContact]) -> StickyContact:
-    """Contacts of several histories as one."""
-    return StickyContact(*map(np.array, zip(*contacts, strict=True)))
+def _event(fine: StickyContact, coarse: StickyContact) -> Event:
+    """What two marches know of an event."""
+    off = abs(fine.force - np.nan_to_num(coarse.force))
+    error = off / np.maximum(abs(fine.force), _TINY)
+    return Event(*(nan_unless(error <= _WORST, x) for x in fine[:4]), error=error)
 
 
 def _marched(
@@ -572,7 +582,9 @@ def _marched(
     def marched(shares: list[np.ndarray]) -> _History:
         fine, coarse = (Cycle(law, disc, bond, widest, _CELLS // n) for n in (1, 2))
         found = fine.march(time, value, by_depth, shares)
-        half = coarse.march(time, value, by_depth, [part[1::2] for part in shares])
+        half = coarse.march(
+            time, value, by_depth, [part[::-2][::-1] for part in shares]
+        )
         asked, again = (np.where(by_depth, c.force, c.depth) for c in (found, half))
         force, depth = (
             np.nanmax(abs(row), initial=0.0) or 1.0
@@ -582,15 +594,21 @@ def _marched(
         sure = abs(fine.work - coarse.work) <= _RTOL * abs(fine.work)
         sure = sure and bool(np.isfinite(fine.pull_off.time))
         loop = fine.work if sure else np.nan
-        return _History(found, fine.jump_in, fine.pull_off, error, loop)
+        jump_in = _event(fine.jump_in, coarse.jump_in)
+        pull_off = _event(fine.pull_off, coarse.pull_off)
+        zone = bond.cutoff * bond.at(abs(fine.pull_off.speed)) / pull_off.radius
+        return _History(found, jump_in, pull_off, float(zone), error, loop)
 
     history = marched(shares := _shares(value, by_depth))
-    for _ in range(_ROUNDS):
-        if not (history.error > _RTOL).any():
+    for done in range(_ROUNDS):
+        came_off = not np.isnan(history.pull_off.error)
+        again = done == 0 and came_off and np.isnan(history.loop)
+        if not (again or (history.error > _RTOL).any()):
             break
+        missed = again | (history.error > 0.25 * _RTOL)
         shares = [
             _halved(part) if miss else part
-            for part, miss in zip(shares, history.error > 0.25 * _RTOL, strict=True)
+            for part, miss in zip(shares, missed, strict=True)
         ]
         history = marched(shares)
     return history

@@ -83,7 +83,8 @@ class Bound(NamedTuple):
         if not self.why:
             return ()
         says = f"have no bound on the model: {self.why}"
-        doubt = Doubt("no prediction", computed != 0, says, self.remedy)
+        unknown = (computed != 0) & xp.isnan(self.size + 0.0 * computed)
+        doubt = Doubt("no prediction", unknown, says, self.remedy)
         if self.warns:
             warn(f"{doubt.words()}.", ModelWarning)
         return (doubt,)
