@@ -514,6 +514,29 @@ class TestUncertainty:
             assert {x.lost for x in less.surer()} == {0, value.size - 1}
             assert less.surer()[0].test == test
 
+    def test_lines_are_surer_by_more_of_them(self):
+        """Scatter of the mean falls with the root of their number; rtol has no part."""
+        rubber = em.load_material("epdm-70")
+        road = em.SelfAffine(0.8, rms_slope=0.5, q_low=1e3, q_high=1e4)
+        at = {"velocity": [1e-3, 1.0], "pressure": 2e5, "temperature": 293.15}
+        curve = em.friction(rubber, road, model=em.Line(seeds=2), **at)
+        part = curve.uncertainty()["numerical"]
+        left = (curve.lines.numerical + curve.lines.scatter) / curve.mu
+        assert mentions(part.test, "seeds")
+        np.testing.assert_allclose(part.after, left, rtol=1e-9)
+        assert (part.after < part.share).all()
+
+    def test_a_misfit_of_the_rubber_is_not_promised_away(self):
+        """Neither by a table of the same data; of draws it is not known."""
+        rubber = em.load_material("epdm-70")
+        found = em.friction(rubber, ROAD, **SCENE).uncertainty()
+        part = found["numerical"]
+        assert mentions(part.assumed, "misfit")
+        assert part.test == found["rubber"].test
+        np.testing.assert_array_equal(part.after, part.share)
+        (each,) = (each for each in found.surer() if each.test == part.test)
+        assert np.isnan(each.after)
+
     def test_the_figure_has_a_bar_for_each_part(self):
         found = em.friction(TREAD, ROAD, **SCENE).uncertainty()
         ax = found.plot()

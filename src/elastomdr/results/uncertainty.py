@@ -272,13 +272,19 @@ def computed(
     """
     size = np.where(np.asarray(value) == 0, 1.0, np.abs(value))
     none = np.zeros(size.shape)
-    said, closer = "error of the computation", "a smaller rtol"
+    share = np.asarray(error) / size
+    said, closer, left = "error of the computation", "a smaller rtol", none
     given = dict(result.inputs)
     if FITTED in given:
-        said, closer = f"{said} and misfit of the rubber", "the moduli as a table"
+        # which a table of moduli hardly changes: their data stay as they are
+        said, closer, left = f"{said} and misfit of the rubber", DRAWS, share
+    lines = getattr(result, "lines", None)
+    if lines is not None and lines.numerical is not None:
+        said, closer = f"{said} and scatter of the lines", "four times as many seeds"
+        left = share if lines.scatter is None else share - lines.scatter / size
     if "drawn" in given:  # a median, whose error holds them
         said, closer = f"{said} and 95 % of the draws", closer
-    yield Part("numerical", np.asarray(error) / size, said, closer, none)
+    yield Part("numerical", share, said, closer, left)
     yield Part(
         "model",
         np.asarray(bound) / size,
