@@ -696,8 +696,7 @@ class Result(WithTable):
         if top is not None:
             drawn = (f"{name}: {said}; each: " for name, said in self._spread())
             yield "how sure", "".join(drawn if self.drawn else ()) + one._sure(top)
-        left_out = one._left_out(top or 0, self._rubber_drawn())
-        rests = [*one._rests_on(), f"not in the band: {left_out}" if left_out else ""]
+        rests = [*one._rests_on(), one._left_out(top or 0, self._rubber_drawn())]
         yield "rests on", "; ".join(filter(None, rests))
         yield "doubts", counted_kinds(self.doubts) or "none"
 
@@ -795,11 +794,15 @@ class Result(WithTable):
 
     def _rubber_drawn(self) -> bool:
         """Whether these are draws of the rubber, and not of its road alone."""
-        every = self.again if isinstance(self.again, tuple) else ()
-        rubbers = [each.material for each in every if each]
         call = self.once
-        alone = call is not None and all(each is call.material for each in rubbers)
-        return self.drawn and not alone
+        return self.drawn and (
+            call is None or any(x is not call.material for x in self._rubbers())
+        )
+
+    def _rubbers(self) -> list[object]:
+        """The rubbers of the calls of several materials."""
+        every = self.again if isinstance(self.again, tuple) else ()
+        return [each.material for each in every if each]
 
     def short_model(self) -> str:
         """The name of the model, without what it means."""

@@ -270,8 +270,6 @@ class AbstractCurve(AbstractPoints):
 
     def _of_draws(self) -> Iterator[Part]:
         """The parts of draws: of what they are draws of, and what the rubber's change."""
-        every = self.again if isinstance(self.again, tuple) else ()
-        rubbers = [each.material for each in every if each]
         one, of_rubber, call = next(self.each_material()), self, self.once
         once = None if call is None else call.curve(Change())
         if call is not None and isinstance(once, AbstractCurve):
@@ -280,7 +278,7 @@ class AbstractCurve(AbstractPoints):
                 yield from one._parts()
                 return
             if any(call.errors):  # which the draws hold, too
-                again = (call.of(each).curve(Change()) for each in rubbers)
+                again = (call.of(each).curve(Change()) for each in self._rubbers())
                 curves = [curve for curve in again if isinstance(curve, AbstractCurve)]
                 of_rubber = once.stack(curves, [""] * len(curves), ("", ""))
         low, median, high = of_rubber.band()
@@ -527,10 +525,11 @@ class FrictionCurve(AbstractCurve):
             share = float(np.ravel(self.adhesion)[i] / np.ravel(self.mu)[i])
             yield f"the shear law ({significant(100 * share, 2)} % of mu there)"
         errors = NOT_STATED if self._call is None else self._call.errors
-        if self.pressure is not None and not errors.cutoff:
-            yield "the shortest wave of the surface"
-        if self.pressure is not None and not errors.level:
-            yield "the heights of the surface"
+        if self.pressure is not None:
+            if not errors.cutoff:
+                yield "the shortest wave of the surface"
+            if not errors.level:
+                yield "the heights of the surface"
 
     def law(self) -> FrictionLaw:
         """mu(v, T, p) on the grid of this curve, to be interpolated, written, and given

@@ -210,7 +210,7 @@ class Uncertainty(AbstractPoints):
     def _good(self) -> np.ndarray:
         """The points that converged."""
         value = np.broadcast_to(self.value, self.share.shape)[0]
-        return np.isfinite(value) & np.broadcast_to(self.converged[0], value.shape)
+        return np.isfinite(value) & self.converged[0]
 
     def surer(self) -> tuple[Surer, ...]:
         """The tests that would narrow the band, the one that would most first; then
@@ -240,8 +240,7 @@ class Uncertainty(AbstractPoints):
         parts, what these rest on with what is not in the band and the test that would
         narrow it most; and the doubts of all points.
         """
-        values = np.broadcast_to(self.value, self.share.shape)[0]
-        one = self.at([int(np.where(self._good(), values, -np.inf).argmax())])
+        one = self.at([int(np.where(self._good(), self.value, -np.inf).argmax())])
         left_out = [part.source for part in one if np.isnan(part.share).any()]
         value, half = float(one.value[0, 0]), float(one.half_band()[0])
         ends = [significant(max(value * (1 + x), 0.0), 3) for x in (-half, half)]
@@ -304,7 +303,7 @@ def left_out(result: Result, drawn: bool, road: Iterable[str] = ()) -> str:
     neither `drawn` nor have their misfit in the error, a temperature, those of a road.
     """
     moduli = [] if drawn or FITTED in dict(result.inputs) else ["the moduli"]
-    return ", ".join([*moduli, "the temperature", *road])
+    return f"not in the band: {', '.join([*moduli, 'the temperature', *road])}"
 
 
 def unknown(source: str, value: Array, assumed: str, test: str) -> Part:
