@@ -335,7 +335,19 @@ def test_errors_of_a_road_that_nothing_takes_are_refused(tmp_path, capsys):
     ):
         path.write_text(text)
         assert main([verb, str(path), "--out", str(tmp_path)]) == 2
-        assert "level_error" in capsys.readouterr().err
+        said = capsys.readouterr().err
+        assert "level_error" in said
+        assert "beside uncertainty" in said
+
+
+def test_draws_of_several_materials_are_refused_with_the_reason(tmp_path, capsys):
+    path = tmp_path / "scene.toml"
+    several = '["epdm-70", "natural-rubber-like"]'
+    path.write_text(SCENE.replace('"MATERIAL"', several))
+    assert main(["friction", str(path), "--out", str(tmp_path)]) == 2
+    said = capsys.readouterr().err
+    assert "uncertainty" in said
+    assert "several materials" in said
 
 
 def test_the_page_shows_the_draws_of_a_leak(tmp_path):

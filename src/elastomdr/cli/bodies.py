@@ -227,7 +227,8 @@ class SurfaceTable(Table, tag_field="shape"):
         if errors and count == 0:
             raise InputError(
                 argument=f"{next(iter(errors))}_error",
-                accepted="left out without draws, uncertainty, but for elastomdr friction",
+                accepted="left out, or beside uncertainty, the number of draws",
+                hint="without draws only elastomdr friction makes use of it",
             )
         return surface.draws(count, seed=1, **errors) if errors and count else surface
 

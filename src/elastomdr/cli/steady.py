@@ -121,8 +121,9 @@ class OfDraws(OfBodies):
             raise InputError(
                 argument="uncertainty",
                 got=self.uncertainty,
-                accepted="left out but for a single material, a series, without other",
-                hint="what else is given has no draws",
+                accepted="left out of this scene",
+                hint="draws are taken of one Prony series; there are none of several "
+                "materials, of a table of moduli, and with a second body (other)",
             )
         with of_key("uncertainty", "count"):
             return materials[0].draws(self.uncertainty)
