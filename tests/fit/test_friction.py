@@ -420,6 +420,28 @@ def test_intervals_hold_the_truth_whatever_the_scatter_follows(follows):
     assert abs(np.mean(said) - follows) < 0.1
 
 
+@pytest.mark.parametrize("points", [3, 1])
+def test_a_point_without_an_answer_beside_the_solution(points):
+    """It has no derivative: intervals are those of the others."""
+    x = np.array([3.0, 1.0, 2.0])[:points]
+
+    def compute(p):
+        return np.where((x == 3) & (abs(p) > 0.01), np.nan, (1 + p) * x)
+
+    task = calibration._Task(
+        compute, np.zeros(1), np.ones(1), x, 0.1 * np.ones(points), (0.05,), 1e-8
+    )
+    if points == 1:
+        with refused("measured", 1):
+            calibration._solve(task)
+        return
+    solution = calibration._solve(task)
+    assert solution.used.tolist() == [False, True, True]
+    assert solution.covariance[0, 0] == pytest.approx(1 / (1 + 500))
+    said = calibration._judge(task, ["gain"], np.ones(1), solution, 1.0)
+    assert any(each.startswith("1 of 3") for each in said)
+
+
 @pytest.mark.parametrize("error", [1e-9, None])
 def test_computed_points_are_no_surer_than_a_measurement(error):
     """Nor are draws, which would be narrow without end."""

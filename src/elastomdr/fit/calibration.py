@@ -250,7 +250,8 @@ class Calibration(AbstractWithTable):
     # by the calibrated material; NaN where the contact did not converge
     computed: Float[np.ndarray, "..."]
     residuals: Float[np.ndarray, "..."]  # measured minus computed
-    # False where the contact did not converge: such a point counts for nothing
+    # False where the contact did not converge, or beside it: a point that counts for
+    # nothing
     used: Bool[np.ndarray, "..."]
     error: float  # standard deviation of the measurement
     scatter: str  # where that comes from, and whether it follows the coefficient
@@ -582,9 +583,8 @@ def _judge(
         yield "The search did not converge."
     if missing := int((~solution.used).sum()):
         yield (
-            f"{missing} of {solution.used.size} points have no computed answer and "
-            "count "
-            "for nothing."
+            f"{missing} of {solution.used.size} points have no computed answer, or none "
+            "beside it, and count for nothing."
         )
     off = ((task.data - solution.computed) / solution.sigma)[solution.used]
     # far points are named one by one
@@ -758,15 +758,17 @@ class _Task(NamedTuple):
                 got=self.data.shape,
                 accepted=f"of the shape of what is computed, {first.shape}",
             )
-        missing = int((~np.isfinite(first)).sum())
-        if missing == first.size:
-            raise InputError(
-                argument="parameters",
-                got=self.begin.tolist(),
-                accepted="where the contact has an answer, to start with",
-                hint=f"it is NaN at {missing} points",
-            )
+        self.answered(np.isfinite(first), "at the start")
         return first
+
+    def answered(self, used: np.ndarray, when: str) -> None:
+        """Raises `InputError` where there is no answer at any point."""
+        if not used.any():
+            raise InputError(
+                argument="measured",
+                accepted="where the contact has an answer, at one point or more",
+                hint=f"what is computed is NaN {when} at all {used.size} points",
+            )
 
     def likelihood(self, p: np.ndarray, solution: _Solution) -> float:
         """Logarithm of the probability of parameters given the data, up to a constant;
@@ -845,8 +847,11 @@ def _solve(task: _Task) -> _Solution:
     # place of 1.96.
     freedom = max(int(used.sum()) - point.size, 1)
     wider = float(stdtrit(freedom, 0.975)) / TWO_SIGMA if estimated else 1.0
-    matrix = task.jacobian(point, task.steps[0])[used]
-    matrix = matrix / (wider * sigma[used][:, None])
+    matrix = task.jacobian(point, task.steps[0])
+    # one with an answer here and none beside it says nothing of the parameters
+    used = used & np.isfinite(matrix).all(axis=-1)
+    task.answered(used, "beside the solution")
+    matrix = matrix[used] / (wider * sigma[used][:, None])
     covariance = np.linalg.inv(matrix.T @ matrix + np.diag(task.spread**-2.0))
     return _Solution(
         point,
