@@ -272,6 +272,10 @@ def test_the_written_scene_is_computed(changed, tmp_path, monkeypatch, capsys):
     assert "error" not in err.replace("model_error", "")
     doubted = tomllib.loads(text)["doubts"]
     assert doubted  # which go with the numbers, into every file
+    # those of the curve among them, whose moduli are of no particular rubber
+    of_curve = [said for said in doubted if "illustrative" in said]
+    given = tomllib.loads((tmp_path / "rig.toml").read_text())
+    assert bool(of_curve) == given["material"].startswith("tread")
     surface = (tmp_path / "new" / "rig-surface.csv").read_text()
     rubber = (tmp_path / "new" / "rig-material.toml").read_text()
     for said in doubted:

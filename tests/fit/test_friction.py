@@ -454,6 +454,10 @@ def test_computed_points_are_no_surer_than_a_measurement(error):
     assert found.error == pytest.approx(1e-3 * np.sqrt(np.mean(mu**2)))
     known = em.fit.calibrate(RUBBER, ball, error=1.001e-3 * mu, **ask)
     assert known.warnings == ()
+    # a factor, not its logarithm
+    ends = 10.0 ** np.array([known.parameters["modulus"], *known.interval("modulus")])
+    value, low, high = (f"{end:.3g}" for end in ends)
+    assert known.in_units("modulus") == f"{value} ({low} to {high})"
     assert found.std["modulus"] == pytest.approx(known.std["modulus"], rel=0.01)
     assert np.std(found.draws) == pytest.approx(known.std["modulus"], rel=0.4)
 
@@ -544,6 +548,7 @@ def test_points_far_off_and_the_table(tmp_path):
             **RIG,
         )
     assert f"{RIG['velocity'][3]:.3g} m/s" in " ".join(found.warnings)
+    assert found.in_units("q_high").startswith(f"{found.shape.q_high:.3g} rad/m (")
     assert {"at 5 °C", "at 20 °C", "at 35 °C"} <= dict(found.findings()).keys()
     points, *_ = found.plot().get_lines()
     np.testing.assert_allclose(points.get_ydata(), mu[:7])

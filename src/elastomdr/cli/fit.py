@@ -384,6 +384,12 @@ class Calibrated(NamedTuple):
     data: "em.MeasuredFriction"
     measured: Path
 
+    @property
+    def doubts(self) -> list[str]:
+        """What is to be doubted in what was found, and in the curve at its points."""
+        plain = (replaced(each, remedy="").words() for each in self.found.doubts)
+        return [*self.found.warnings, *(f"Measured: {said}." for said in plain)]
+
     def lines(self) -> dict[str, str]:
         """What is printed."""
         found = self.found
@@ -392,7 +398,7 @@ class Calibrated(NamedTuple):
         said = dict(found.findings())
         if "weakest" in said:
             known += f"; least known {said['weakest']}"
-        doubts = " ".join((*self.data.report, *found.warnings))
+        doubts = " ".join((*self.data.report, *self.doubts))
         return {
             "read": self.data.columns,
             "found": known,
@@ -471,13 +477,13 @@ def calibrated(
             widths=widths,
             draws=draws,
         )
-    name, doubts = scene.material[0], [said.rstrip(".") for said in found.warnings]
-    about = material_info(folder / name if name.endswith(".toml") else name)
     files: dict[str, Callable[[Path], object]] = {
         f"{stem}-calibrate.csv": found.to_csv,
         f"{stem}-calibrate.png": partial(write_figure, found, {}),
     }
     done = Calibrated(found, content, files, data, file)
+    name, doubts = scene.material[0], [said.rstrip(".") for said in done.doubts]
+    about = material_info(folder / name if name.endswith(".toml") else name)
     if not found.decided:  # moved within what was assumed: nothing to compute with
         return done
     described, file_name = about.get("description", name), f"{stem}-material.toml"

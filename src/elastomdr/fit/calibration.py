@@ -79,11 +79,11 @@ MEANINGS = {
 
 SHEAR = "shear"  # stands for all parameters of the shear law
 _UNITS = {  # and how many make one of SI
-    "q_high": ("rad/m", 1.0),
-    "stress": ("MPa", 1e-6),
-    "velocity": ("mm/s", 1e3),
+    "q_high": (" rad/m", 1.0),
+    "stress": (" MPa", 1e-6),
+    "velocity": (" mm/s", 1e3),
     "width": ("", 1.0),
-    "energy": ("kJ/mol", 1e-3),
+    "energy": (" kJ/mol", 1e-3),
 }
 _OF_LAW = ("stress", "velocity", "width", "energy")
 # 0.9 eV for the shift of a typical law is of the size found where that is from
@@ -273,9 +273,8 @@ class Calibration(AbstractWithTable):
         """
         width = np.array(list(self.prior.values()))
         spread, directions = np.linalg.eigh(self.covariance / np.outer(width, width))
-        most = directions[:, -1] * np.sign(
-            directions[np.abs(directions[:, -1]).argmax(), -1]
-        )
+        most = directions[:, -1]
+        most = most * np.sign(most[np.abs(most).argmax()])
         return dict(zip(self.prior, most.tolist(), strict=True)), float(
             np.sqrt(spread[-1])
         )
@@ -309,18 +308,20 @@ class Calibration(AbstractWithTable):
         return [name for name in self.parameters if name not in self.undecided]
 
     def _in_units(self, name: str) -> tuple[list[float], str]:
-        """A parameter and the ends of its 95 % interval, and the unit of what it
-        changes.
+        """What a parameter changes, or the factor that it is, the ends of its 95 %
+        interval, and the unit.
         """
         values = _parameters_of(self.adhesion)
         if isinstance(self.shape, AbstractSpectrum):
             values["q_high"] = float(self.shape.q_high)
-        at, unit = self.parameters[name], ""
+        at = self.parameters[name]
         ends = np.array([at, *self.interval(name)])
-        if name in values:
-            unit, times = _UNITS[name]
-            unit, ends = f" {unit}".rstrip(), times * values[name] * 10.0 ** (ends - at)
-        return ends.tolist(), unit
+        if name == "slope":
+            return ends.tolist(), ""
+        unit, times = _UNITS.get(name, ("", 1.0))
+        # of others the factor itself
+        there = times * (values[name] if name in values else 10.0**at)
+        return (there * 10.0 ** (ends - at)).tolist(), unit
 
     def in_units(self, name: str) -> str:
         """A parameter in the unit of what it changes, with its 95 % interval; where the
@@ -422,7 +423,7 @@ class Calibration(AbstractWithTable):
             made,
             self.velocity.ravel(),
             None if self.temperature is None else self.temperature.ravel(),
-            np.where(self.used, self.measured, np.nan).ravel(),
+            self.measured.ravel(),
             {"calibrated": self.computed.ravel()},
         )
         return made.finish()
@@ -758,16 +759,16 @@ class _Task(NamedTuple):
                 got=self.data.shape,
                 accepted=f"of the shape of what is computed, {first.shape}",
             )
-        self.answered(np.isfinite(first), "at the start")
+        self.answered(np.isfinite(first))
         return first
 
-    def answered(self, used: np.ndarray, when: str) -> None:
+    def answered(self, used: np.ndarray) -> None:
         """Raises `InputError` where there is no answer at any point."""
         if not used.any():
             raise InputError(
                 argument="measured",
                 accepted="where the contact has an answer, at one point or more",
-                hint=f"what is computed is NaN {when} at all {used.size} points",
+                hint=f"what is computed is NaN at all {used.size} points",
             )
 
     def likelihood(self, p: np.ndarray, solution: _Solution) -> float:
@@ -850,7 +851,7 @@ def _solve(task: _Task) -> _Solution:
     matrix = task.jacobian(point, task.steps[0])
     # one with an answer here and none beside it says nothing of the parameters
     used = used & np.isfinite(matrix).all(axis=-1)
-    task.answered(used, "beside the solution")
+    task.answered(used)
     matrix = matrix[used] / (wider * sigma[used][:, None])
     covariance = np.linalg.inv(matrix.T @ matrix + np.diag(task.spread**-2.0))
     return _Solution(
