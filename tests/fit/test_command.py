@@ -3,12 +3,16 @@ refuse in one line.
 """
 
 import argparse
+import re
 import tomllib
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import elastomdr as em
+from elastomdr.checks import percent
 from elastomdr.cli.fit import Fit, add_arguments, content_of
 from elastomdr.cli.main import main
 from elastomdr.cli.schema import decode
@@ -17,8 +21,10 @@ from elastomdr.trees import replaced
 from ..cli.cli_cases import arguments
 from ..io.dma_files import KNOWN, measure, two_rows
 from ..material.check import check_material
+from ..refused import mentions
 
 ROWS = measure(KNOWN)
+ROOT = Path(__file__).parents[2]
 
 
 def test_command_line(tmp_path, monkeypatch, capsys):
@@ -262,7 +268,12 @@ def test_the_written_scene_is_computed(changed, tmp_path, monkeypatch, capsys):
     asked = ["rig.toml", "--measured", "rig.csv", "--out", "new"]
     assert main(["calibrate", *asked]) == 0
     text = (tmp_path / "new" / "rig-calibrated.toml").read_text()
-    assert "cutoff_error" in text
+    known, left = (
+        tomllib.loads(each)["surface"].get("cutoff_error", 0.0)
+        for each in ((tmp_path / "rig.toml").read_text(), text)
+    )
+    assert known in (left, 0.0)  # the points stand for what they tell
+    assert 'measured = "' in text
     assert "# found: " in text
     assert "# doubts: " in text
     capsys.readouterr()
@@ -356,12 +367,46 @@ def test_calibration_of_heights_alone(tmp_path, monkeypatch, capsys):
     out, _ = capsys.readouterr()
     assert "log10 a_T" in out
     left = tomllib.loads((tmp_path / "rig-calibrated.toml").read_text())["surface"]
-    assert 0 < left["cutoff_error"] < 0.5
-    assert left["level_error"] > 0
+    assert left["cutoff_error"] == 0.5  # beforehand: the points tell the rest
     scene = arguments("friction", "rig-calibrated.toml")
     surface = em.read_spectrum("rig-surface.csv", convention="2d")
     np.testing.assert_allclose(scene["shape"].c, surface.c, rtol=1e-12)
     assert float(scene["shape"].rms_height) == pytest.approx(1e-4, rel=0.2)
+
+
+def advised(scene):
+    """What a scene rests on, the advice of measured friction, and what it promises."""
+    curve = em.friction(**scene)
+    held = curve.uncertainty()
+    advice = next(each for each in held.surer() if "measured friction" in each.test)
+    places = re.findall(r"(\S+) degC, (\S+) m/s", advice.test)
+    celsius, speed = np.array(places, dtype=float).T
+    kelvin = celsius + 273.15
+    t = np.abs(np.unique(scene["temperature"]) - kelvin[:, None]).argmin(axis=1)
+    v = np.abs(np.log(scene["velocity"] / speed[:, None])).argmin(axis=1)
+    return held, advice, (speed, kelvin, curve.mu[t, v])
+
+
+def test_who_follows_the_advice_gets_what_it_promises(tmp_path, monkeypatch, capsys):
+    """Cutoff and shear stress are not known apart by the three points, but mu is."""
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / "examples" / "scenes" / "tread.toml").read_text()
+    text = text.split("[roller]")[0].replace("points = 24", "points = 4")
+    (tmp_path / "tread.toml").write_text(text)
+    held, advice, points = advised(arguments("friction", "tread.toml"))
+    rows = zip(*points, 0.05 * points[-1], strict=True)
+    table = [f"{v},{t},200000,{mu},{error}" for v, t, mu, error in rows]
+    titles = "velocity [m/s],temperature [K],pressure [Pa],mu,error"
+    (tmp_path / "three.csv").write_text("\n".join([titles, *table]))
+    assert main(["calibrate", "tread.toml", "--measured", "three.csv"]) == 0
+    assert main(["friction", "tread-calibrated.toml", "--uncertainty"]) == 0
+    assert mentions(capsys.readouterr().out, f"band {percent(advice.after)}, then")
+    new = pd.read_csv("tread-calibrated-friction-uncertainty.csv", comment="#")
+    half = new["half of the band [-]"].to_numpy()[: held.value.size]
+    np.testing.assert_allclose(half.max(), advice.after, rtol=1e-3)
+    promised = held.half_band(advice.test).ravel()
+    np.testing.assert_allclose(half, promised, rtol=1e-3)
+    assert (half < held.half_band().ravel()).all()
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ ROOMS = {
     "fit": 68,
     "smooth": 48,
     "seal": 41,
-    "results": 42,
+    "results": 43,
     "io": 36,
     "surface": 31,
     "app": 30,

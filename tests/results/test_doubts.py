@@ -441,7 +441,7 @@ class TestUncertainty:
         few = [0, 2, 4]
         assert V.size == 5
         before = slopes.T @ slopes
-        among = before[np.ix_(few, few)] + 0.05**2 * np.eye(3)
+        among = before[np.ix_(few, few)] + (1.96 * 0.05) ** 2 * np.eye(3)
         after = before - before[:, few] @ np.linalg.inv(among) @ before[few]
         left = np.sqrt(np.diag(after) / np.diag(before))
         for source in ("road", "shear law"):
@@ -450,7 +450,7 @@ class TestUncertainty:
         model = found["model"]
         elsewhere = ~np.isin(np.arange(V.size), few)
         np.testing.assert_array_equal(model.after[elsewhere], model.share[elsewhere])
-        assert (model.after[few] <= 0.05).all()
+        assert (model.after[few] <= 1.96 * 0.05).all()
         test = found.surer()[0].test
         assert mentions(test, *(f"{v:.4g} m/s" for v in V[few]))
 
@@ -490,6 +490,62 @@ class TestUncertainty:
         )
         assert (np.abs(new.mu / truth.mu - 1) <= found.half_band(test)).all()
         assert (found.half_band(test) < found.half_band()).all()
+
+    def measured(self, mu, error=None, **at):
+        """Points of measured friction, of all velocities unless others are given."""
+        given = {"velocity": V, "temperature": None, "pressure": None} | at
+        return em.MeasuredFriction(
+            mu=mu, error=error, source="rig.csv", columns="", report=(), **given
+        )
+
+    def test_measured_points_leave_what_was_promised(self):
+        """Nothing else is known of them than where the advice says, and to 5 %."""
+        shear = em.AdhesiveShear(5e5, 1e-2, 0.1)
+        curve = em.friction(TREAD, ROAD, adhesion=shear, **SCENE)
+        held, few = curve.uncertainty(), slice(None, None, 2)
+        mu, at = curve.mu[few], {"velocity": V[few]}
+        test = next(e.test for e in held.surer() if "measured friction" in e.test)
+        for error in (None, 0.05 * mu):
+            found = curve.uncertainty(measured=self.measured(mu, error, **at))
+            for source in ("model", "road", "shear law"):
+                kept = found[source]
+                np.testing.assert_allclose(
+                    kept.share, held[source].after, rtol=1e-3, atol=1e-6
+                )
+                assert mentions(kept.assumed, "3 measured points")
+                assert (kept.after <= kept.share).all()
+            assert (found.half_band() <= held.half_band()).all()
+            np.testing.assert_allclose(
+                found.half_band(), held.half_band(test), rtol=1e-3
+            )
+            assert found.doubts == held.doubts
+        # what is measured worse leaves more, and residuals are such an error
+        for error, factor in ((0.2 * mu, 1.0), (None, 1.15)):
+            given = self.measured(factor * mu, error, **at)
+            worse = curve.uncertainty(measured=given)
+            assert (worse.half_band() >= found.half_band()).all()
+            assert worse.half_band().max() > found.half_band().max() + 0.01
+
+    def test_measured_points_that_the_band_does_not_hold_narrow_nothing(self):
+        tread = replaced(TREAD, shift=em.Arrhenius(8e4, 293.15))
+        at = {"velocity": V, "temperature": [[293.15], [303.15]], "pressure": 3e5}
+        curve = em.friction(tread, ROAD, **at)
+        held, mu, warm = curve.uncertainty(), curve.mu[0], np.full(V.size, 293.15)
+        off = np.where(np.arange(V.size) == 2, 9.0, 1.0)
+        for given in (
+            self.measured(9 * mu, temperature=warm),
+            self.measured(off * mu, 1e-3 * mu, temperature=warm),
+            self.measured(mu),  # at which of the temperatures?
+        ):
+            found = curve.uncertainty(measured=given)
+            np.testing.assert_array_equal(found.share, held.share)
+            assert points(found.doubts, "estimate").all()
+            assert any(mentions(e.words(), "rig.csv") for e in found.doubts)
+
+    def test_a_rolling_resistance_takes_no_measured_friction(self):
+        curve = em.rolling(TREAD, em.Cylinder(0.1, 0.1), velocity=V, load=10.0)
+        with refused("measured"):
+            curve.uncertainty(measured=self.measured(V))
 
     def test_points_without_prediction_are_not_narrowed(self):
         found = no_prediction().uncertainty()

@@ -58,6 +58,7 @@ class Done:
     more: str = ""  # what is said below the summary
     # files that it was computed with and that the page may replace, as they were
     made: dict[str, bytes] = field(default_factory=dict, repr=False)
+    measured: em.MeasuredFriction | None = None
     parts: Uncertainty | None = None  # what its uncertainty consists of
     seconds: float = 0.0  # of processor time that it took
 
@@ -95,7 +96,9 @@ class Done:
     def judge(self) -> None:
         """Computes what its uncertainty consists of."""
         with quiet():  # of points that are not shown
-            self.parts = decoded(self.verb, self.content).judged(self.result)
+            self.parts = decoded(self.verb, self.content).judged(
+                self.result, self.measured
+            )
 
     @property
     def curve(self) -> Any:
@@ -184,7 +187,8 @@ def compute(
     }
     with heard() as said:
         arguments = scene.arguments(folder.path)
-        plot_options = how_drawn(scene, arguments, folder.path)
+        measured = scene.points(folder.path)
+        plot_options = how_drawn(scene, arguments, measured)
         call = getattr(em, scene.called())
         tells = "progress" in inspect.signature(call).parameters
         more = {"progress": progress} if tells else {}
@@ -192,7 +196,16 @@ def compute(
             result = call(**arguments, **more)
         result = scene.outcome(scene.doubted(result))
     texts = tuple(dict.fromkeys(spoken(each.message) for each in said))
-    return Done(verb, content, result, texts, plot_options, content, made=made)
+    return Done(
+        verb,
+        content,
+        result,
+        texts,
+        plot_options,
+        content,
+        made=made,
+        measured=measured,
+    )
 
 
 @contextlib.contextmanager

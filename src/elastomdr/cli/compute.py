@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 import elastomdr as em
 
-from ..errors import InputError, advised, quiet, warn
+from ..errors import InputError
 from ..files import no_formula, write_files
 from . import DONE, NOT_CONVERGED
 from .kinds import read_scene
 from .scene import Scene
-from .schema import Arguments, of_file, path_from
+from .schema import Arguments, of_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -57,7 +57,8 @@ def run(options: argparse.Namespace) -> int:
             arguments = scene.arguments(path.parent)
             beside: Any = scene.beside(path.parent)
             compared = options.verb == "compare"
-            shown = how_drawn(scene, arguments, path.parent)
+            measured = scene.points(path.parent)
+            shown = how_drawn(scene, arguments, measured)
             shown = {"title": scene.title} if compared else shown
             stem = f"{path.stem}-{'compare' if compared else scene.called()}"
             with scene.in_keys(), em.progress(f"{scene.called()} of {path.name}"):
@@ -66,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
                     results.append(em.rolling(**beside))
                     names.append(f"{path.stem}-rolling")
                 if parted:
-                    results.append(scene.judged(results[0]))
+                    results.append(scene.judged(results[0], measured))
                     names.append(f"{stem}-uncertainty")
             outcomes = [scene.outcome(results[0]), *results[1:]]
         notes = _notes(path, scene)
@@ -177,23 +178,14 @@ def _computed(scene: Scene, arguments: Arguments) -> Any:
         raise KeyboardInterrupt(left) from error
 
 
-def how_drawn(scene: Scene, arguments: Arguments, folder: Path) -> Arguments:
-    """How the result is drawn: its title, measured points on top, with a warning for
-    those that were left out.
-    """
+def how_drawn(
+    scene: Scene, arguments: Arguments, measured: em.MeasuredFriction | None
+) -> Arguments:
+    """How the result is drawn: its title, measured points on top."""
     shown: Arguments = {"title": scene.title}
     if scene.called() == "slide" and len(set(arguments["position"])) > 1:
         shown["against"] = "position"  # a rest may take most of the time
-    if (file := getattr(scene, "measured", None)) is not None:
-        with quiet(em.fit.FitWarning), path_from("measured", folder):
-            try:
-                measured = em.read_friction(folder / file)
-            except InputError as error:  # a scene has no options for the reader
-                if advised(error.hint):
-                    error.hint = 'its titles have to say it, such as "velocity [mm/s]"'
-                raise
-        for line in measured.report:
-            warn(line, em.ModelWarning)
+    if measured is not None:
         shown["measured"] = measured.points
     return shown
 

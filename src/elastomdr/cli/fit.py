@@ -420,11 +420,14 @@ def calibrated(
     """A scene of friction with what measured points say of it; its files, whose names
     begin with `stem`, go beside it. The points are those of the scene unless others are
     given, with `columns` by quantity, such as "mu=4". The errors of its surface are
-    what is known beforehand. Raises `InputError`.
+    what is known beforehand, and stay: the points stand for what they tell. What moved
+    farther may have been as far off. Raises `InputError`.
     """
     import numpy as np
 
     from ..material.library import material_info
+    from ..results.base import NORMAL
+    from ..results.uncertainty import FACTOR, HEIGHTS
     from ..surface.spectrum import AbstractSpectrum
     from .compute import write_figure
 
@@ -503,9 +506,14 @@ def calibrated(
         if "heights" in found.parameters:
             factor = 10 ** found.parameters["heights"]
             road["heights"] = road.get("heights", 1.0) * factor
+        assumed = {
+            "cutoff_error": FACTOR.low.shorter,
+            "level_error": HEIGHTS.low.higher**2,
+        }
         for key, (name, decades) in _ERRORS.items():
-            if name in found.std:
-                road[key] = found.std[name] * decades
+            moved = abs(found.parameters.get(name, 0.0)) * decades
+            if moved > NORMAL * road.get(key, np.log(assumed[key]) / NORMAL):
+                road[key] = moved / NORMAL
     if (law := found.adhesion) is not None and not law.typical:
         content["adhesion"] = {
             "stress": f"{float(law.stress)!r} Pa",

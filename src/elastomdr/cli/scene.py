@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import elastomdr as em
 
 from ..call.types import ModelName
-from ..errors import InputError
+from ..errors import InputError, advised, quiet, warn
 from ..trees import replaced
 from .bodies import SurfaceTable
 from .schema import (
@@ -255,10 +255,28 @@ class Scene(Table):
         draws = getattr(self, "uncertainty", None) or (None if judged else 0)
         return {self.rough: surface.drawn(folder, draws)}
 
-    def judged(self, result: Any) -> Any:
-        """What the result rests on, with what is stated of its road."""
+    def judged(self, result: Any, measured: "em.MeasuredFriction | None") -> Any:
+        """What the result rests on, with what is stated of its road and was measured."""
         surface = getattr(self, "surface", None)
-        return result.uncertainty(**(surface.errors() if surface else {}))
+        stated = surface.errors() if surface else {}
+        return result.uncertainty(**stated, measured=measured)
+
+    def points(self, folder: Path) -> "em.MeasuredFriction | None":
+        """Measured friction, with a warning for points that were left out. Raises
+        `InputError`.
+        """
+        if (file := getattr(self, "measured", None)) is None:
+            return None
+        with quiet(em.fit.FitWarning), path_from("measured", folder):
+            try:
+                measured = em.read_friction(folder / file)
+            except InputError as error:  # a scene has no options for the reader
+                if advised(error.hint):
+                    error.hint = 'its titles have to say it, such as "velocity [mm/s]"'
+                raise
+        for line in measured.report:
+            warn(line, em.ModelWarning)
+        return measured
 
     def arguments(self, folder: Path) -> Arguments:
         """The arguments of that function, in SI units, those of its tables among them;

@@ -146,7 +146,7 @@ _EXTRAPOLATED = Quantity(
     path="extrapolated",
 )
 # standard deviations on both sides that hold 95 %
-_NORMAL = 1.96
+NORMAL = 1.96
 # relative bound of a model from which on it is a doubt
 WIDE = 0.5
 
@@ -206,7 +206,7 @@ class RoadErrors(NamedTuple):
 
 
 def _ends(what: str, size: float, change: Callable[[float], Change]) -> Assumed | None:
-    factor, says = math.exp(_NORMAL * size), f"{what} to +- {size:.2g} (one sigma)"
+    factor, says = math.exp(NORMAL * size), f"{what} to +- {size:.2g} (one sigma)"
     return Assumed(says, change(factor), change(1 / factor)) if size else None
 
 
@@ -240,6 +240,10 @@ class Again(Protocol):
         self, material: object, errors: RoadErrors | None = None, road: object = None
     ) -> "Again":
         """The call of another material, and of a road of which the errors are stated."""
+        ...
+
+    def at(self, places: dict[str, np.ndarray]) -> "Again":
+        """The call at other points."""
         ...
 
     def curve(self, change: Change) -> "Result | None":

@@ -16,9 +16,10 @@ import numpy as np
 from .. import __version__
 from ..checks import in_si, percent, significant
 from ..errors import InputError
-from ..linear_update import narrowed
+from ..linear_update import Few, apart
 from .axes import Quantity
 from .base import (
+    NORMAL,
     NOT_STATED,
     AbstractPoints,
     Again,
@@ -43,8 +44,10 @@ from .uncertainty import (
     HEIGHTS,
     KELVIN,
     KNOWN,
+    OUTSIDE,
     SHEAR,
     STRESS,
+    SUREST,
     Part,
     Uncertainty,
     changed,
@@ -59,6 +62,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Style
+    from ..io.data import MeasuredFriction
     from .plot_contacts import SteadyElements
 
 _LISTED = 6  # curves that a summary lists one by one
@@ -228,7 +232,13 @@ class AbstractCurve(AbstractPoints):
         """What the band of a point leaves out beside moduli and temperature."""
         return iter(())
 
-    def uncertainty(self, *, level: float = 0.0, cutoff: float = 0.0) -> Uncertainty:
+    def uncertainty(
+        self,
+        *,
+        level: float = 0.0,
+        cutoff: float = 0.0,
+        measured: MeasuredFriction | None = None,
+    ) -> Uncertainty:
         """What the coefficient rests on, part by part: numerical, model, rubber, road,
         shear law, temperature; how much of it each may change, and which tests would
         make it surer.
@@ -239,8 +249,8 @@ class AbstractCurve(AbstractPoints):
         `em.Heat` are changed within their bands. The coefficient is computed again for
         each, so that this takes up to eleven times as long as the curve, and 18 times
         more where it leaves the data: there a branch beyond these changes it that they
-        allow (`material.validity.beyond_data`). What a few measured points would leave
-        is the linear update of shortest wave and shear law; where it has no prediction
+        allow (`material.validity.beyond_data`). What measured points leave is the linear
+        update of shortest wave and shear law, taken as 95 %; where it has no prediction
         nothing is narrowed, and the bound of the model only where they are measured. Of
         draws each part is apart from the others: the rubber's is half of the interval of
         95 % of its draws, on the road as it is.
@@ -249,34 +259,51 @@ class AbstractCurve(AbstractPoints):
             level: relative standard deviation of C, whose 95 % take the place of the
                 convention for the heights; by default that of draws of the road.
             cutoff: the same of its upper cutoff, for the shortest wave.
+            measured: friction of this rubber and road, by `em.read_friction`; without
+                an error 5 % or, if that is more, the rms of the residuals. Where more
+                than 5 % of it is off the curve by more than the band, it narrows nothing,
+                which is a doubt.
 
-        Raises `InputError` for several materials that are no draws.
+        Raises `InputError` for several materials that are no draws, and for measured
+        friction where the curve is not of that.
         """
-        if not self.origins:
-            one, call = self, self._call
-            if call is not None and (level or cutoff):
-                errors = RoadErrors(level, cutoff)
-                one = dataclasses.replace(self, again=call.of(call.material, errors))
-            return Uncertainty.of(one._parts(), self, self.doubts)
-        if not self.drawn:
+        if self.origins and not self.drawn:
             raise InputError(
                 argument="material",
                 got=list(self.materials),
                 accepted="one for an uncertainty",
                 hint="choose it by .select(name)",
             )
-        parts = self._of_draws()
-        return Uncertainty.of(parts, self.typical(), self.band().doubts)
+        if measured is not None and self.shows != "mu":
+            raise InputError(
+                argument="measured",
+                got=self.title,
+                accepted="left out but for friction",
+            )
+        shown, one, drawn = self, self, None
+        call, doubts = self._call, self.doubts
+        if self.drawn:
+            one, drawn = self._of_draws()
+            shown, doubts = self.typical(), self.band().doubts
+        elif call is not None and (level or cutoff):
+            errors = RoadErrors(level, cutoff)
+            one = dataclasses.replace(self, again=call.of(call.material, errors))
+        found = None if measured is None else one._beside(measured)
+        doubts += (found,) if isinstance(found, Doubt) else ()
+        parts = [
+            drawn if drawn and each.source == drawn.source else each
+            for each in one._parts(found)
+        ]
+        return Uncertainty.of(parts, shown, doubts)
 
-    def _of_draws(self) -> Iterator[Part]:
-        """The parts of draws: of what they are draws of, and what the rubber's change."""
+    def _of_draws(self) -> tuple[AbstractCurve, Part | None]:
+        """What they are draws of, and the part of the rubber, where that is drawn."""
         one, of_rubber, call = next(self.each_material()), self, self.once
         once = None if call is None else call.curve(Change())
         if call is not None and isinstance(once, AbstractCurve):
             one = dataclasses.replace(once, again=call)
             if not self._rubber_drawn():
-                yield from one._parts()
-                return
+                return one, None
             if any(call.errors):  # which the draws hold, too
                 again = (call.of(each).curve(Change()) for each in self._rubbers())
                 curves = [curve for curve in again if isinstance(curve, AbstractCurve)]
@@ -285,25 +312,91 @@ class AbstractCurve(AbstractPoints):
         share = 0.5 * (high - low) / np.abs(median)
         said = f"95 % of {len(self.origins)} draws"
         test = "a fit of four times as many measurements"
-        drawn = Part("rubber", share, said, test, 0.5 * share)
-        yield from (drawn if p.source == "rubber" else p for p in one._parts())
+        return one, Part("rubber", share, said, test, 0.5 * share)
 
-    def _parts(self) -> Iterator[Part]:
-        """The parts, with what a few measured points leave."""
-        parts, shown = [*self._rows()], self._shown()
+    def _beside(self, measured: MeasuredFriction) -> Few | Doubt:
+        """Measured points, where the curve of the same call is at these; or the doubt
+        that they tell nothing.
+        """
+        given = vars(measured).items()
+        places = {k: x for k, x in given if k in self.coordinates and x is not None}
+        call = self._call and self._call.at(places)
+        at, said = call and call.curve(Change()), "cannot be computed at its points"
+        if isinstance(at, AbstractCurve) and at._shown().shape == measured.mu.shape:
+            at = dataclasses.replace(at, again=call)
+            rows, slopes = at._sloped()
+            mu = np.where(at._shown() == 0, np.nan, np.abs(at._shown()))
+            off, good = np.abs(measured.mu / mu - 1), np.isfinite(slopes).all(axis=0)
+            each = half = np.full(mu.size, NORMAL * EACH)
+            if measured.error is not None:
+                each = half = NORMAL * np.fmax(measured.error / mu, SUREST)
+            elif good.any():
+                half = np.fmax(half, NORMAL * np.sqrt(np.mean(off[good] ** 2)))
+            slopes = np.where(good, slopes, 0.0)
+            few = Few(slopes, half, off + half, np.eye(mu.size, dtype=bool))
+            held = Uncertainty.of(at._narrowed(rows, slopes, few), at, ())
+            out = good & (off > held.half_band() + each)
+            if out.sum() <= OUTSIDE * good.sum():
+                these, those = self._places()[..., None], at._places()[:, None]
+                same = np.isclose(these, those, rtol=1e-3, equal_nan=True)
+                return few._replace(same=same.all(axis=0))
+            said = f"is off by more than the band at {out.sum()} of {out.size} points"
+        told = f"are not made surer by {measured.source}, which {said}"
+        surer = "a calibration to points with their temperature and pressure"
+        return Doubt("estimate", self.converged | True, told, surer)
+
+    def _places(self) -> np.ndarray:
+        """Velocity, temperature and force of the points, flat; NaN where not known."""
+        names, none = ("velocity", "temperature", "normal_force"), 0.0 * self.converged
+        every = [none + np.array(getattr(self, n), dtype=float) for n in names]
+        return np.reshape(every, (3, -1))
+
+    def _sloped(self) -> tuple[list[Part], np.ndarray]:
+        """The parts, and how the coefficient changes with those that measured points
+        narrow, at each point, NaN where it has no prediction.
+        """
+        rows, shown = [*self._rows()], self._shown()
         lost = unforetold(self.examined(), shown) | ~np.isfinite(shown)
-        told = self._measured
-        slopes = [np.where(lost, np.nan, p.after) for p in parts if p.test == told]
-        left, there = narrowed(np.array(slopes), EACH)
-        places = "; ".join(map(self._place, np.flatnonzero(there).tolist()))
+        told = [p.after for p in rows if p.test == self._measured]
+        return rows, np.array([np.where(lost, np.nan, x).ravel() for x in told])
+
+    def _narrowed(self, rows: list[Part], slopes: np.ndarray, few: Few) -> list[Part]:
+        """The parts, with the share that measured points leave; the model is not known
+        better elsewhere.
+        """
+        left, told = few.left(slopes), self._measured
+        return [
+            p._replace(
+                share=few.held(p.share)
+                if p.source == "model"
+                else left.reshape(p.share.shape) * p.share
+            )
+            if p.test == told
+            else p
+            for p in rows
+        ]
+
+    def _parts(self, measured: Few | Doubt | None) -> Iterator[Part]:
+        """The parts, with what measured points leave, and what a few more would."""
+        rows, slopes = self._sloped()
+        there, told = apart(slopes), self._measured
+        each = np.full(there.size, NORMAL * EACH)
+        same = np.arange(slopes.shape[1])[:, None] == there
+        few = Few(slopes[:, there], each, each, same)
+        now, said = rows, ""
+        if isinstance(measured, Few):
+            now = self._narrowed(rows, slopes, measured)
+            said = f", as {measured.error.size} measured points leave it"
+            few = measured.beside(few)
+        places = "; ".join(map(self._place, there.tolist()))
         test = f"{told}, at {places}" if places else told
-        for each in parts:
-            if each.test == told:
-                after = left * each.share
-                if each.source == "model":  # which is not known better elsewhere
-                    after = np.where(there, np.fmin(each.share, EACH), each.share)
-                each = each._replace(test=test, after=after)
-            yield each
+        then = self._narrowed(rows, slopes, few)
+        for row, after in zip(now, then, strict=True):
+            if row.test == told:
+                row = row._replace(
+                    assumed=row.assumed + said, test=test, after=after.share
+                )
+            yield row
 
     def _rows(self) -> Iterator[Part]:
         """The parts; of those that measured points narrow, the slope in place of what

@@ -49,7 +49,9 @@ STRESS = Assumed("shear stress off by 20 %", Change(stress=1.2), Change(stress=0
 BEYOND = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, -1.0)  # decades from the data to a branch
 KELVIN = Assumed("off by 1 K", Change(kelvin=1.0), Change(kelvin=-1.0))
 SMALL = 0.02  # share of the band that a test must take away to be named
-EACH = 0.05  # how well a measured coefficient is known, relative
+EACH = 0.05  # standard deviation of a measured coefficient, relative
+SUREST = 1e-3  # that nobody measures better, as `em.fit.calibrate`
+OUTSIDE = 0.05  # share of measured points that a band may leave out
 KNOWN = 0.02  # how well a scan of the road knows its heights, relative
 # the argument, the key of a scene and, as data, the field of the page
 DRAWS = "draws of a fit in place of the material: " + Advised.of(

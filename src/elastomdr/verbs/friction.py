@@ -77,6 +77,11 @@ class CallAgain:
         call: Any = dataclasses.replace(self.call, **new)
         return dataclasses.replace(self, call=call, errors=errors or self.errors)
 
+    def at(self, places: dict[str, np.ndarray]) -> CallAgain:
+        """The call at other points."""
+        asked = dataclasses.replace(self.call.asked, **places)
+        return dataclasses.replace(self, call=replaced(self.call, asked=asked))
+
     def curve(self, change: Change) -> AbstractCurve | None:
         """The curve with one thing changed; None where that has no answer, as beyond a
         shift law, or where the shortest wave would be longer than the longest.
