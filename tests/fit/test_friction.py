@@ -538,7 +538,7 @@ def test_a_trend_that_no_parameter_follows_is_said():
 def test_points_far_off_and_the_table(tmp_path):
     _, mu, size = drawn_rig(3)
     mu[3] *= 1.5
-    with pytest.warns(em.fit.FitWarning, match="far off"):
+    with pytest.warns(em.fit.FitWarning, match="Far off"):
         found = em.fit.calibrate(
             TREAD,
             GROUND,

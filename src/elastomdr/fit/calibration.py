@@ -658,8 +658,8 @@ def _name_far(
             at += f", {places['temperature'].flat[i] - 273.15:.4g} degC"
         named.append(f"{at} ({residuals.flat[i]:+.2g})")
     yield (
-        f"{far.size} of {off.size} points are far off the curve, more than {_FAR:g} "
-        f"times the scatter of the others: {'; '.join(named)}"
+        f"Far off the curve, more than {_FAR:g} times the scatter of the others: "
+        f"{far.size} of {off.size} points, at {'; '.join(named)}"
         f"{' ...' if far.size > _NAMED else '.'}"
     )
 

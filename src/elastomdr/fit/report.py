@@ -250,7 +250,7 @@ def header_of(
 # 1
 _FLOOR = 1e-6
 _NO_TABLE = (
-    "only at this temperature: the shift law of the material has no place in this card"
+    "only at this temperature: the shift law of the material is not in this card"
 )
 _LABEL = 70  # characters of a name; Abaqus takes 80, and wants a letter first
 _INCOMPRESSIBLE = 0.499  # Poisson's ratio above which bulk parts are left out
