@@ -23,7 +23,7 @@ import elastomdr as em
 from .test_structure import FLOORS
 
 SOURCE = Path(em.__file__).parent
-MOST = 15  # functions of a walk
+MOST = 16  # functions of a walk
 # each function, and as what the argument arrives there
 ROAD = """verbs.roads.friction_by:call.asked.{0}
     rough.surface.surface_friction:call.asked.{0} rough.surface._check:call.asked.{0}
@@ -44,6 +44,7 @@ WALKS = {
         material.shift.AbstractShift.a:temperature
         material.shift.WLF._log10_a:temperature""",
     "rolling:velocity": """verbs.rolling.rolling:velocity
+        verbs.rolling._rolled:call.asked.velocity
         verbs.steady.steady_contact:call.asked.velocity
         smooth.problem.check:call.asked.velocity
         call.problem.steady_scene:asked.velocity

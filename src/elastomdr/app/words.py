@@ -67,6 +67,7 @@ _LABELS = _TABLES | {
     "uncertainty": "Number of draws for the uncertainty band|of the rubber's misfit and of the "
     "road's errors; 2 or more",
     "title": "Title of the figure",
+    "doubts": "Doubts of a calibration",
     "friction": "Friction coefficient µ [-]|a number, or the name of a table that was "
     "dropped",
     # load and motion

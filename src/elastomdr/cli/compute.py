@@ -179,7 +179,7 @@ def _computed(scene: Scene, arguments: Arguments) -> Any:
 
 
 def how_drawn(
-    scene: Scene, arguments: Arguments, measured: em.MeasuredFriction | None
+    scene: Scene, arguments: Arguments, measured: "em.MeasuredFriction | None"
 ) -> Arguments:
     """How the result is drawn: its title, measured points on top."""
     shown: Arguments = {"title": scene.title}
