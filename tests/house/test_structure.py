@@ -5,9 +5,9 @@ files have their rooms.
 import ast
 import functools
 import re
+import subprocess
 import sys
 from pathlib import Path
-from types import FrameType
 
 import pytest
 
@@ -182,26 +182,37 @@ def test_files_of_structure_exist():
         assert place.exists(), name
 
 
+FILES_OF_A_CALL = """
+import sys
+import elastomdr as em
+rubber = em.Prony(equilibrium=1e6, moduli=[1e6], times=[1e-3])
+passed = set()
+for note in (None, lambda frame, *_: passed.add(frame.f_code.co_filename)):
+    # once beforehand, so that a file that is only imported does not count
+    sys.settrace(note)
+    em.friction(rubber, em.Sphere(5e-3), velocity=[0.1, 1.0], load=1.0)
+    sys.settrace(None)
+print(*passed, sep="\\n")
+"""
+
+
 def test_a_call_passes_the_files_of_its_walk():
+    """In a process of its own: where tests before have run, CPython 3.11 was seen not to
+    come back from a traced call.
+    """
     page = Path(__file__).parents[2] / "docs" / "structure.md"
     walk = page.read_text(encoding="utf-8").partition("`em.friction` of a ball")[2]
     rows = re.findall(r"^\| (`.*?) \|", walk.partition("\n\n`em.")[0], re.MULTILINE)
     named = re.findall(r"`(\w+/\w+\.py)`", " ".join(rows))
-    passed = set()
-
-    def note(frame: FrameType, _event: str, _arg: object) -> None:
-        passed.add(Path(frame.f_code.co_filename))
-
-    rubber = em.Prony(equilibrium=1e6, moduli=[1e6], times=[1e-3])
-    before = sys.gettrace()
-    # once beforehand, so that a file that is only imported does not count
-    em.friction(rubber, em.Sphere(5e-3), velocity=[0.1, 1.0], load=1.0)
-    sys.settrace(note)
-    try:
-        em.friction(rubber, em.Sphere(5e-3), velocity=[0.1, 1.0], load=1.0)
-    finally:
-        sys.settrace(before)
+    done = subprocess.run(
+        [sys.executable, "-c", FILES_OF_A_CALL],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
     assert len(named) > 10
+    passed = {*map(Path, done.stdout.splitlines())}
     assert not {SOURCE / name for name in named} - passed
 
 

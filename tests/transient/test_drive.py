@@ -413,14 +413,15 @@ def test_reverse_gradient_of_a_record_with_many_branches():
 
 def test_a_reverse_gradient_takes_time_in_proportion_to_the_march():
     """Sixteen times the blocks of steps took 200 times as long while what was seen of
-    the whole history was part of the state.
+    the whole history was part of the state. The best of nine ratios is taken, as what
+    else the machine does lengthens either.
     """
 
     class Lag(NamedTuple):
         h: jax.Array
         w: jax.Array
 
-    def seconds(blocks):
+    def slope(blocks):
         steps = Lag(jnp.full(64 * blocks, 1e-3), jnp.linspace(0, 1, 64 * blocks))
 
         def total(rate):
@@ -432,15 +433,15 @@ def test_a_reverse_gradient_takes_time_in_proportion_to_the_march():
             )[1]
             return jnp.sum(seen)
 
-        slope = jax.jit(jax.grad(total)).lower(2.0).compile()
-        taken = []
-        for _ in range(5):
-            begin = process_time()
-            slope(2.0).block_until_ready()
-            taken.append(process_time() - begin)
-        return min(taken)
+        return jax.jit(jax.grad(total)).lower(2.0).compile()
 
-    assert seconds(512) < 4 * 16 * seconds(32)
+    def seconds(slope):
+        begin = process_time()
+        slope(2.0).block_until_ready()
+        return process_time() - begin
+
+    few, many = slope(32), slope(512)
+    assert min(seconds(many) / seconds(few) for _ in range(9)) < 4 * 16
 
 
 def test_refuses_bad_mounts():
