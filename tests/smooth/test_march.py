@@ -325,8 +325,10 @@ def test_rolling_and_what_the_elements_do(tmp_path):
     drag = np.trapezoid(elements.q * np.gradient(elements.u, elements.x), elements.x)
     np.testing.assert_allclose(-drag, line.friction_force[1], rtol=1e-3)
     touched = elements.q > 0
-    np.testing.assert_array_equal(elements.u[touched], elements.surface[touched])
-    assert (elements.u >= elements.surface).all()
+    # to rounding, as `u` and the surface come from two compiled programs
+    at_surface = elements.u[touched], elements.surface[touched]
+    np.testing.assert_allclose(*at_surface, rtol=1e-14, atol=1e-19)
+    assert (elements.u >= elements.surface - 1e-19).all()
     total = elements.spring + elements.branches.sum(axis=0)
     np.testing.assert_allclose(total[touched], elements.q[touched], rtol=1e-9)
     assert elements.branches.shape == (2, elements.x.size)
